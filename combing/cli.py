@@ -1,0 +1,66 @@
+"""The ``combing`` command: one group, one module per subcommand, one place for errors."""
+
+import importlib
+import sys
+
+import click
+
+from combing import __version__
+from combing.errors import UserError
+
+COMMANDS = {
+    "photo": "combing.commands.photo",
+    "helix": "combing.commands.helix",
+    "force": "combing.commands.force",
+    "simulate": "combing.commands.simulate",
+    "compare": "combing.commands.compare",
+    "demo": "combing.commands.demo",
+    "virtual-lab": "combing.commands.virtual_lab",
+}
+
+
+class LazyGroup(click.Group):
+    """Import a subcommand only when it is asked for, so that ``--help`` and errors stay quick."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the subcommands in the order of a session at the bench."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """Import and return the subcommand, or None for click's own 'no such command'."""
+        if name not in COMMANDS:
+            return None
+        return importlib.import_module(COMMANDS[name]).command
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="combing")
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+@click.pass_context
+def combing(ctx: click.Context, debug: bool) -> None:
+    """Measure tangled strands: photographs, force logs and simulations on the same axes.
+
+    \b
+    Example:
+      combing demo
+      combing compare study.toml -o out/
+    """
+    ctx.obj = {"debug": debug}
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the command line and exit: 0 done, 2 the user's input is at fault, 1 a defect of ours."""
+    arguments = sys.argv[1:] if args is None else args
+    try:
+        combing.main(args=arguments, prog_name="combing", standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(2)
+    except click.Abort:
+        click.echo("combing: interrupted", err=True)
+        sys.exit(130)
+    except (UserError, OSError) as error:
+        if "--debug" in arguments:
+            raise
+        click.echo(f"combing: {error}", err=True)
+        sys.exit(2)

@@ -1,0 +1,1 @@
+"""Photographs of coloured strands: crossings, N-body interactions, helix centreline, link density."""

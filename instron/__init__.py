@@ -1,0 +1,1 @@
+"""Force logs: machine exports read exactly or refused, and scaled to f and x."""

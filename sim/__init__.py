@@ -1,0 +1,1 @@
+"""Cosserat rods in contact, a tine that combs them, and their exact topology."""
