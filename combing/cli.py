@@ -6,7 +6,7 @@ import sys
 import click
 
 from combing import __version__
-from combing.errors import UserError
+from combing.errors import is_users_fault
 
 COMMANDS = {
     "photo": "combing.commands.photo",
@@ -59,8 +59,8 @@ def main(args: list[str] | None = None) -> None:
     except click.Abort:
         click.echo("combing: interrupted", err=True)
         sys.exit(130)
-    except (UserError, OSError) as error:
-        if "--debug" in arguments:
+    except Exception as error:
+        if "--debug" in arguments or not is_users_fault(error):
             raise
         click.echo(f"combing: {error}", err=True)
         sys.exit(2)
