@@ -1,22 +1,11 @@
 """Photographs of coloured strands: crossings, N-body interactions, helix centreline, link density.
 
-The pieces are imported when first asked for, so that ``import imaging`` costs nothing.
+Functions bear the names of the rooms they live in (``imaging.segment`` is the function), so they
+are imported here, once, after their modules.
 """
 
-import importlib
-from typing import Any
+from imaging.errors import Unmeasurable
+from imaging.photo import Photo, read_photo
+from imaging.segment import Segmentation, segment
 
-_HOME = {
-    "Unmeasurable": "imaging.errors",
-    "Photo": "imaging.photo",
-    "read_photo": "imaging.photo",
-    "Segmentation": "imaging.segment",
-    "segment": "imaging.segment",
-}
-__all__ = list(_HOME)
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'imaging' has no attribute {name!r}")
-    return getattr(importlib.import_module(_HOME[name]), name)
+__all__ = ["Photo", "Segmentation", "Unmeasurable", "read_photo", "segment"]

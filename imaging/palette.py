@@ -69,9 +69,9 @@ def find_colours(
 def _modes(density: np.ndarray) -> np.ndarray:
     """Cluster cells by climbing to modes, merging those of low prominence; -1 where empty.
 
-    ToMATo (Chazal, Guibas, Oudot, Skraba, J. ACM 60 (6), 41, 2013): cells are visited from the densest; one
-    that touches two hills joins the lower to the higher unless it rises above the pass by more
-    than PROMINENCE of its height.
+    ToMATo (Chazal, Guibas, Oudot, Skraba, J. ACM 60 (6), 41, 2013): cells are visited from the
+    densest; one that touches two hills joins the lower to the higher unless the lower rises above
+    the pass by more than PROMINENCE of its height.
     """
     order = np.argsort(density, axis=None)[::-1]
     order = order[density.ravel()[order] > 1e-3 * density.max()]  # never the rim

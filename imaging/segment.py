@@ -10,7 +10,7 @@ Strategy:
 3. Colours are the dense places of the ridge pixels in a space where shading moves a colour little:
    (a, b)/(L + 16) is unchanged when the light is scaled, and log(L + 16) is kept at a low weight
    because strands may be black, white and grey.
-4. Every strand pixel takes the colour that most of its neighbourhood, half a strand wide, votes for.
+4. Every strand pixel takes the colour most of its neighbourhood, half a strand wide, votes for.
 """
 
 from dataclasses import dataclass
