@@ -23,7 +23,7 @@ def palette(n: int) -> list[tuple[float, float, float]]:
     lab = rgb2lab(candidates)
     bright = lab[:, 0] > 35
     chosen = _farthest(lab[bright] * [LIGHTNESS_WEIGHT, 1, 1], n)
-    return [tuple(float(level) for level in candidates[bright][k]) for k in chosen]
+    return [(float(r), float(g), float(b)) for r, g, b in candidates[bright][chosen]]
 
 
 def _farthest(points: NDArray[np.float64], n: int) -> list[int]:
