@@ -1,0 +1,1 @@
+"""One figure a module, each drawn from a tidy table and nothing else."""

@@ -1,0 +1,71 @@
+"""Scaled force f over scaled displacement x: experiment over simulation over Love's curve."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from combing.figures.style import (
+    BAND,
+    EXPERIMENT,
+    SIMULATION,
+    THEORY,
+    legend_above,
+    mark_synthetic,
+    new_figure,
+    paper_style,
+)
+
+ROOM = 1.25  # height of the panel over the highest measured force
+
+
+def draw_force(table: pd.DataFrame, *, synthetic: bool) -> Figure:
+    """Draw one panel for each set of the force table.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Columns set, source (experiment, simulation, theory), curve, x, f, low, high.
+    synthetic : bool
+        Whether the experiment comes from the virtual lab.
+    """
+    sets = table["set"].unique()
+    with paper_style():
+        figure, panels = new_figure(-(-len(sets) // 2), min(2, len(sets)), 2.6)
+        for panel, name in zip(panels, sets, strict=False):
+            _draw_set(panel, table[table["set"] == name])
+            panel.set(title=name, xlabel=r"$x = d/D$", ylabel=r"$f = l_0^2 F/B$")
+        for panel in panels[len(sets) :]:
+            panel.remove()
+        legend_above(figure, panels[0], 3)
+        mark_synthetic(figure, synthetic)
+    return figure
+
+
+def _draw_set(panel: Axes, rows: pd.DataFrame) -> None:
+    mean = _curve(rows, "experiment", "mean")
+    panel.fill_between(
+        mean["x"], mean["low"], mean["high"], color=BAND, lw=0, label="experiment, mean ± sd"
+    )
+    panel.plot(mean["x"], mean["f"], color="0.5", lw=1)
+    one = _curve(rows, "experiment", "representative")
+    panel.plot(one["x"], one["f"], color=EXPERIMENT, lw=0.9, label="experiment, one repeat")
+    run = _curve(rows, "simulation", "run")
+    if len(run):
+        panel.plot(run["x"], run["f"], color=SIMULATION, label="simulation")
+    for kind, dashes in (("free", (4, 2)), ("blocked", (1, 1.5))):
+        love = _curve(rows, "theory", kind)
+        if len(love):
+            panel.plot(
+                love["x"],
+                love["f"],
+                color=THEORY,
+                dashes=dashes,
+                label=f"single helix, {kind} ends",
+            )
+    top = np.nanmax(np.concatenate([mean["high"], one["f"], run["f"]]))
+    panel.set(xlim=(0, 1.1), ylim=(-0.05 * top, ROOM * top))
+
+
+def _curve(rows: pd.DataFrame, source: str, curve: str) -> pd.DataFrame:
+    return rows[(rows["source"] == source) & (rows["curve"] == curve)]

@@ -1,0 +1,62 @@
+"""Histogram of N-body interactions per metre of curl: experiment beside simulation."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from combing.figures.style import BAND, SIMULATION, mark_synthetic, new_figure, paper_style
+
+LOOKS = {"experiment": (BAND, -0.2), "simulation": (SIMULATION, 0.2)}
+BAR = 0.38
+
+
+def draw_interactions(table: pd.DataFrame, *, n_sec: int, synthetic: bool) -> Figure:
+    """Draw one panel for each set of the interaction table.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Columns set, source (experiment, simulation), sample (one curl), N, density [1/m].
+    n_sec : int
+        Sections each curl was cut into; stated in the figure, for the densities depend on it.
+    synthetic : bool
+        Whether the experiment comes from the virtual lab.
+    """
+    sets = table["set"].unique()
+    with paper_style():
+        figure, panels = new_figure(-(-len(sets) // 2), min(2, len(sets)), 2.5)
+        for panel, name in zip(panels, sets, strict=False):
+            _draw_set(panel, table[table["set"] == name])
+            panel.set(title=name, xlabel="strands in an interaction, $N$")
+            panel.set_ylabel(r"$\rho_N$ (m$^{-1}$)")
+            panel.annotate(f"{n_sec} sections", (0.97, 0.72), xycoords="axes fraction", ha="right")
+        for panel in panels[len(sets) :]:
+            panel.remove()
+        panels[0].legend(loc="upper right")
+        mark_synthetic(figure, synthetic)
+    return figure
+
+
+def _draw_set(panel: Axes, rows: pd.DataFrame) -> None:
+    for source, (colour, shift) in LOOKS.items():
+        density = rows[rows["source"] == source].pivot(
+            index="N", columns="sample", values="density"
+        )
+        if density.empty:
+            continue
+        samples = density.shape[1]
+        label = f"{source}, {samples} curl{'s' if samples > 1 else ''}"
+        panel.bar(density.index + shift, density.mean(axis=1), BAR, color=colour, label=label)
+        spread = density.std(axis=1, ddof=1) if samples > 1 else np.full(len(density), np.nan)
+        panel.errorbar(
+            density.index + shift,
+            density.mean(axis=1),
+            spread,
+            fmt="none",
+            ecolor="black",
+            capsize=2,
+        )
+        for sample in density:
+            panel.plot(density.index + shift, density[sample], ".", ms=3, color="black", alpha=0.5)
+    panel.set_xticks(sorted(rows["N"].unique()))
