@@ -1,0 +1,179 @@
+"""Sub-pixel centrelines: midpoints of the two half-contrast edges, smoothed along the strand."""
+
+import cv2
+import numpy as np
+from scipy.interpolate import make_smoothing_spline
+
+STEP = 0.25  # px between samples across a strand
+SHORTEST_WAVE = 4.0  # strand widths; shorter wiggles are taken for noise
+LEAST_SD = 0.02  # px; below this neither rendering nor lens is known
+HIDDEN_GROWTH = 0.06  # px of sd per px^1.5 of distance to the nearest visible point, over w^0.5
+
+
+def arclength(line: np.ndarray) -> np.ndarray:
+    """Cumulated length along a polyline, shape (n,)."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+
+
+def resample(line: np.ndarray, step: float = 1.0) -> np.ndarray:
+    """Place points at equal distances (about `step`) along a polyline."""
+    s = arclength(line)
+    keep = np.concatenate([[True], np.diff(s) > 1e-9])
+    s, line = s[keep], line[keep]
+    even = np.linspace(0, s[-1], max(2, int(round(s[-1] / step)) + 1))
+    return np.stack([np.interp(even, s, line[:, i]) for i in (0, 1)], axis=1)
+
+
+def normals(line: np.ndarray) -> np.ndarray:
+    """Unit normals (n, 2): the tangent turned from x towards y."""
+    tangent = np.gradient(line, axis=0)
+    tangent /= np.maximum(np.hypot(*tangent.T), 1e-9)[:, None]
+    return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+
+
+def edges(
+    line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Signed distances along the normal to a strand's two edges.
+
+    Parameters
+    ----------
+    line : (n, 2) array
+    own : (h, w) float32 array
+        Membership of the strand's colour; its edge is at 0.5.
+    strand : (h, w) float32 array
+        Coverage by any strand: where it stays high beyond the edge, another strand hides this one.
+    width : float
+
+    Returns
+    -------
+    low, high : (n,) arrays
+        NaN where the edge is hidden or not found within 1.5 widths.
+    """
+    reach = int(np.ceil(1.5 * width / STEP))
+    across = STEP * np.arange(-reach, reach + 1)
+    at = line[:, None] + across[None, :, None] * normals(line)[:, None]
+    profile = _sample(own, at)
+    other = _sample(strand, at) - profile
+    middle = _nearest_inside(profile, reach, 0.5 * width)
+    high = _edge(profile, other, middle, +1)
+    low = _edge(profile, other, middle, -1)
+    return (low - reach) * STEP, (high - reach) * STEP
+
+
+def _sample(field: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Bilinear values of `field` at points (n, m, 2), 0 outside."""
+    points = at.astype(np.float32)
+    # cv2.remap takes pictures of at most 32767 rows
+    blocks = [
+        cv2.remap(field, block[..., 0], block[..., 1], cv2.INTER_LINEAR)
+        for block in np.array_split(points, len(points) // 30000 + 1)
+    ]
+    return np.concatenate(blocks)
+
+
+def _nearest_inside(profile: np.ndarray, reach: int, far: float) -> np.ndarray:
+    """Index of the sample above 0.5 nearest to the middle; -1 when none within `far`."""
+    distance = np.abs(np.arange(profile.shape[1]) - reach)
+    cost = np.where(profile >= 0.5, distance, 10**6)
+    nearest = cost.argmin(axis=1)
+    found = cost[np.arange(len(profile)), nearest] * STEP <= far
+    return np.where(found, nearest, -1)
+
+
+def _edge(profile: np.ndarray, other: np.ndarray, middle: np.ndarray, way: int) -> np.ndarray:
+    """Index (fractional) where the profile falls through 0.5 going one way from the middle."""
+    rows = np.arange(len(profile))
+    index = np.arange(profile.shape[1])
+    beyond = (index - middle[:, None]) * way > 0
+    outside = beyond & (profile < 0.5)
+    first = np.where(outside.any(axis=1), (outside[:, ::way].argmax(axis=1)), -1)
+    first = np.where((way < 0) & (first >= 0), profile.shape[1] - 1 - first, first)
+    good = (first >= 0) & (middle >= 0)
+    first = np.where(good, first, 1).clip(1, profile.shape[1] - 2)
+    inner, outer = profile[rows, first - way], profile[rows, first]
+    fraction = np.divide(inner - 0.5, inner - outer, out=np.zeros_like(inner), where=inner > outer)
+    hidden = other[rows, (first + 3 * way).clip(0, profile.shape[1] - 1)] > 0.3
+    return np.where(good & ~hidden, first - way + way * fraction, np.nan)
+
+
+def refine(
+    line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Move a rough centreline (n, 2) to the middle between the strand's edges.
+
+    Where one edge is hidden the other is used with the strand's local width; where both are
+    hidden the smoothing spline bridges with least bending.
+
+    Returns
+    -------
+    line : (m, 2) array
+        Points about 1 px apart.
+    width : (m,) array
+        Local width [px].
+    sd : (m,) array
+        Standard deviation across the strand [px].
+    """
+    smooth = _smoothed(resample(line), np.full(len(resample(line)), 1.0), width)
+    for _ in range(2):
+        smooth = resample(smooth)
+        low, high = edges(smooth, own, strand, width)
+        local = _local_width(low, high, width)
+        offset, sd = _offsets(low, high, local)
+        moved = smooth + offset[:, None] * normals(smooth)
+        smooth = _smoothed(moved, np.where(np.isfinite(sd), 1 / np.square(sd), 0), width)
+    return smooth, local, _spread(moved, smooth, sd, width)
+
+
+def _local_width(low: np.ndarray, high: np.ndarray, width: float) -> np.ndarray:
+    """Running median of the width where both edges show, filled in elsewhere."""
+    span = high - low
+    known = np.isfinite(span) & (span < 1.6 * width)
+    if known.sum() < 5:
+        return np.full(len(span), width)
+    at = np.flatnonzero(known)
+    kernel = np.ones(int(20 * width) | 1)
+    filled = np.interp(np.arange(len(span)), at, np.clip(span[at], 0, np.median(span[at]) * 1.3))
+    total = np.convolve(np.ones(len(span)), kernel, "same")[: len(span)] if len(kernel) <= len(span) else None
+    if total is None:
+        return np.full(len(span), np.median(span[at]))
+    return np.convolve(filled, kernel, "same") / total
+
+
+def _offsets(low: np.ndarray, high: np.ndarray, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distance to the middle and its relative sd: both edges, one edge, or none (NaN)."""
+    both = np.isfinite(low) & np.isfinite(high)
+    wide = both & (high - low > 1.35 * local)  # grown together with another of its colour
+    narrow = both & (high - low < 0.6 * local)  # cut by another strand
+    middle = np.where(np.isfinite(low), low + local / 2, high - local / 2)
+    middle = np.where(both, (low + high) / 2, middle)
+    sd = np.where(both, 1.0, 1.6)
+    sd = np.where(wide | narrow | ~np.isfinite(middle) | (np.abs(middle) > local), np.nan, sd)
+    return np.where(np.isfinite(sd), middle, 0), sd
+
+
+def _smoothed(points: np.ndarray, weight: np.ndarray, width: float) -> np.ndarray:
+    """Weighted cubic smoothing spline; half power at a wave of SHORTEST_WAVE widths."""
+    n = len(points)
+    if n < 8 or (weight > 0).sum() < 5:
+        return points
+    s = np.arange(n, dtype=float)
+    # A penalty lam on the second derivative halves waves of angular frequency lam**-0.25.
+    lam = (SHORTEST_WAVE * width / (2 * np.pi)) ** 4
+    w = np.maximum(weight, 1e-6)
+    return np.stack([make_smoothing_spline(s, points[:, i], w, lam)(s) for i in (0, 1)], axis=1)
+
+
+def _spread(moved: np.ndarray, smooth: np.ndarray, sd: np.ndarray, width: float) -> np.ndarray:
+    """Standard deviation of the smoothed centreline [px]."""
+    seen = np.isfinite(sd)
+    if not seen.any():
+        return np.full(len(smooth), width)
+    rest = ((moved - smooth) * normals(smooth)).sum(axis=1)[seen] / sd[seen]
+    noise = max(1.4826 * float(np.median(np.abs(rest))), LEAST_SD)
+    at = np.flatnonzero(seen)
+    index = np.arange(len(smooth))
+    right = at[np.searchsorted(at, index).clip(0, len(at) - 1)]
+    left = at[(np.searchsorted(at, index, side="right") - 1).clip(0, len(at) - 1)]
+    away = np.minimum(np.abs(index - left), np.abs(right - index))
+    return np.hypot(noise, HIDDEN_GROWTH * away**1.5 / np.sqrt(width))

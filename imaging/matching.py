@@ -1,0 +1,142 @@
+"""Join the pieces of a colour into strands: one global matching of their ends."""
+
+import networkx as nx
+import numpy as np
+
+from imaging.branches import End
+
+GIVE_UP = 9.0  # cost of leaving an end unjoined; a join may cost up to twice that
+TURN = 0.30  # rad; typical turn between an end's direction and the chord to its partner
+TURN_PER_WIDTH = 0.02  # rad more for each strand width of gap
+PLACE = 0.2  # strand widths; how well the place of an end is known
+EXPOSED = 6.0  # cost of each strand width of a join that should be seen but is not
+DISTANCE = 0.1  # cost of each strand width of gap
+FARTHEST = 60.0  # strand widths
+
+
+def join(ends: list[End], covered: np.ndarray, width: float) -> list[tuple[int, int]]:
+    """Choose the joins of least total cost.
+
+    A join costs its bending (turn at both ends over what is usual for its length), the length
+    that runs over open background, and a little for its length. Each end is joined at most once.
+    The best set is a maximum-weight matching (Edmonds' blossom algorithm).
+
+    Parameters
+    ----------
+    ends : list of End
+    covered : (h, w) bool array
+        Where a strand may hide: under any strand.
+    width : float
+        Strand width [px].
+
+    Returns
+    -------
+    list of (int, int)
+        Indices into `ends`.
+    """
+    graph = nx.Graph()
+    for i, j, cost in _candidates(ends, covered, width):
+        graph.add_edge(i, j, weight=2 * GIVE_UP - cost)
+    joins = [(min(a, b), max(a, b)) for a, b in nx.max_weight_matching(graph)]
+    return _without_rings(sorted(joins), graph, ends)
+
+
+def _candidates(
+    ends: list[End], covered: np.ndarray, width: float
+) -> list[tuple[int, int, float]]:
+    """Pairs of ends whose join costs less than leaving both unjoined."""
+    if len(ends) < 4:
+        return []
+    points = np.array([e.point for e in ends])
+    directions = np.array([e.direction for e in ends])
+    branch = np.array([e.branch for e in ends])
+    i, j = np.nonzero(np.triu(branch[:, None] != branch[None, :], 1))
+    bend, gap = _bending(points[i], directions[i], points[j], directions[j], width)
+    cost = bend + DISTANCE * gap / width
+    good = (cost < 2 * GIVE_UP) & (gap < FARTHEST * width)
+    found = []
+    for a, b, base in zip(i[good].tolist(), j[good].tolist(), cost[good].tolist(), strict=True):
+        path = bridge(ends[a], ends[b])
+        total = base + EXPOSED * _open_length(path, covered) / width
+        if total < 2 * GIVE_UP:
+            found.append((a, b, total))
+    return found
+
+
+def _bending(
+    p: np.ndarray, t: np.ndarray, q: np.ndarray, u: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Cost of turning from t at p to the chord, and from the chord to -u at q; and the gap."""
+    chord = q - p
+    gap = np.maximum(np.hypot(*chord.T), 1e-6)
+    first = _angle(t, chord)
+    second = _angle(-u, chord)
+    usual = TURN**2 + (TURN_PER_WIDTH * gap / width) ** 2
+    spread = usual + (PLACE * width / gap) ** 2
+    # Close to each other the chord says nothing, but the two directions still do.
+    whole = _angle(t, -u)
+    bend = np.maximum((first**2 + second**2) / spread, whole**2 / (2 * usual))
+    return bend, gap
+
+
+def _angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return np.abs(np.arctan2(cross, (a * b).sum(axis=1)))
+
+
+def bridge(a: End, b: End) -> np.ndarray:
+    """Cubic Hermite curve from one end to another, a point a pixel, both ends included."""
+    gap = float(np.hypot(*(b.point - a.point)))
+    v = np.linspace(0, 1, max(2, int(np.ceil(gap)) + 1))[:, None]
+    return (
+        (2 * v**3 - 3 * v**2 + 1) * a.point
+        + (v**3 - 2 * v**2 + v) * gap * a.direction
+        + (3 * v**2 - 2 * v**3) * b.point
+        - (v**3 - v**2) * gap * b.direction
+    )
+
+
+def _open_length(path: np.ndarray, covered: np.ndarray) -> int:
+    """Pixels of a path that lie on open background."""
+    x, y = np.round(path).astype(int).T
+    inside = (x >= 0) & (y >= 0) & (x < covered.shape[1]) & (y < covered.shape[0])
+    return int((inside & ~covered[y.clip(0, covered.shape[0] - 1), x.clip(0, covered.shape[1] - 1)]).sum())
+
+
+def _without_rings(
+    joins: list[tuple[int, int]], graph: nx.Graph, ends: list[End]
+) -> list[tuple[int, int]]:
+    """Open closed loops of branches at their weakest join: a strand has two ends."""
+    chain = nx.MultiGraph()
+    for a, b in joins:
+        chain.add_edge(ends[a].branch, ends[b].branch, ends=(a, b), weight=graph[a][b]["weight"])
+    weakest = set()
+    for part in nx.connected_components(chain):
+        edges = list(chain.subgraph(part).edges(data=True))
+        if len(edges) == len(part):
+            weakest.add(min(edges, key=lambda e: e[2]["weight"])[2]["ends"])
+    return [pair for pair in joins if pair not in weakest]
+
+
+def chains(count: int, joins: list[tuple[int, int]]) -> list[list[tuple[int, bool]]]:
+    """Follow the joins: each strand as a list of (branch, walked from last to first).
+
+    Ends are numbered 2 i (first) and 2 i + 1 (last) for branch i.
+    """
+    partner = dict(joins) | {b: a for a, b in joins}
+    done: set[int] = set()
+    found = []
+    starts = [e for e in range(2 * count) if e not in partner]
+    for start in starts:
+        if start // 2 in done:
+            continue
+        walk, entry = [], start
+        while True:
+            done.add(entry // 2)
+            walk.append((entry // 2, bool(entry % 2)))
+            leave = partner.get(entry ^ 1)
+            if leave is None:
+                break
+            entry = leave
+        found.append(walk)
+    return found
