@@ -1,0 +1,270 @@
+"""The rows under a header, as numbers: a quick way for clean tables, an exact way for the rest.
+
+The quick way hands the file to pandas' C reader and accepts the answer only when every used column
+came out numeric and complete. Everything else (several tables, thousands, damage) is walked line
+by line, so that a refusal can name the line.
+"""
+
+import io
+import re
+import warnings
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from instron.errors import Unreadable
+from instron.layout import Header, find_header, is_row, split_cells
+from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
+from instron.source import Source
+
+_PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
+
+
+@dataclass
+class Body:
+    """The numbers of the used columns (keyed by column index), and how they were written."""
+
+    header: Header
+    values: dict[int, np.ndarray]
+    lines: np.ndarray  # line of the file, from 0, of every row
+    decimal: str = "."
+    thousands: bool = False
+    warnings: list[str] = field(default_factory=list)
+
+
+def read_bodies(source: Source, header: Header, delimiter: str) -> list[Body]:
+    """Return the tables of a file: one per header that rows of numbers follow."""
+    quick = _quick(source, header, delimiter)
+    if quick is not None:
+        return [quick]
+    bodies = []
+    for block, rows, notes in _walk(source, header, delimiter):
+        bodies.append(_exact(source, block, rows, delimiter))
+        bodies[-1].warnings += notes
+    return bodies
+
+
+def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
+    """Return the body if the rest of the file is one clean table, else None."""
+    start = _offset(source, header.first_row)
+    mark = _simple_mark(source, start, delimiter)
+    if mark is None or not _last_line_is_whole(source, header, delimiter):
+        return None
+    table = _pandas(source, header, delimiter, mark, start)
+    if table is None or any(table[i].dtype.kind not in "fi" for i in header.used()):
+        return None
+    values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
+    gaps = [i for i in header.used() if np.isnan(values[i]).any()]
+    extra = range(len(header.names), header.width)
+    if (gaps and len(header.specimens) == 1) or any(table[i].notna().any() for i in extra):
+        return None
+    if not _first_row_agrees(source, header, delimiter, mark, values):
+        return None
+    lines = np.arange(header.first_row, header.first_row + len(table))
+    return Body(header, values, lines, mark)
+
+
+def _offset(source: Source, line: int) -> int:
+    """Return the byte at which line ``line`` starts."""
+    position = 0
+    for _ in range(line):
+        position = source.data.find(b"\n", position) + 1
+    return position
+
+
+def _simple_mark(source: Source, start: int, delimiter: str) -> str | None:
+    """Return the decimal mark where no other mark occurs in the body, so nothing is grouped."""
+    comma, point = (source.data.find(mark, start) >= 0 for mark in (b",", b"."))
+    if delimiter == ",":
+        quoted = source.data.find(b'"', start) >= 0
+        return None if quoted and re.search(rb"\d,\d", source.data[start:]) else "."
+    if not comma:
+        return "."
+    # A comma that three digits do not follow cannot group thousands.
+    if not point and re.search(rb"\d,(?!\d{3}(?!\d))\d|(?<!\d)0,\d", source.data[start:]):
+        return ","
+    return None
+
+
+def _pandas(
+    source: Source, header: Header, delimiter: str, mark: str, start: int
+) -> pd.DataFrame | None:
+    """Return the C reader's table, or None where it stumbles."""
+    target = source.path if source.on_disk else io.BytesIO(source.data[start:])
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return pd.read_csv(
+                target,
+                sep=r"\s+" if delimiter == "spaces" else delimiter,
+                header=None,
+                names=range(max(header.width, len(header.names))),
+                skiprows=header.first_row if source.on_disk else 0,
+                decimal=mark,
+                skipinitialspace=True,
+                encoding="latin-1" if source.encoding != "ascii" else "utf-8",
+                engine="c",
+            )
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError):
+        return None
+
+
+def _last_line_is_whole(source: Source, header: Header, delimiter: str) -> bool:
+    """Return False if the file stops inside a used cell of its last row, as far as one can tell."""
+    if source.ends_in_newline():
+        return True
+    size = len(source.data)
+    tail = source.data[max(0, size - 20000) :].decode(source.encoding, errors="replace")
+    return not _is_cut(tail.split("\n")[-50:], header, delimiter)
+
+
+def _is_cut(lines: list[str], header: Header, delimiter: str) -> bool:
+    """Tell whether the last of these lines lacks its end.
+
+    Only its last cell can be short. It is taken for cut when a column of constant decimals shows
+    it, when cells are missing before it, or when a quote is left open.
+    """
+    cells = split_cells(lines[-1].rstrip("\r"), delimiter)
+    if lines[-1].count('"') % 2 or len(cells) <= max(header.used()):
+        return bool(lines[-1].strip())
+    last = len(cells) - 1
+    if last not in header.used() or not cells[last]:
+        return False
+    before = [split_cells(line.rstrip("\r"), delimiter) for line in lines[-40:-1]]
+    digits = {_decimals(c[last]) for c in before if len(c) == len(cells)}
+    return len(digits) == 1 and _decimals(cells[last]) != digits.pop()
+
+
+def _decimals(cell: str) -> int:
+    return len(re.sub(r"^[^.,]*[.,]?", "", cell))
+
+
+def _first_row_agrees(
+    source: Source, header: Header, delimiter: str, mark: str, values: dict[int, np.ndarray]
+) -> bool:
+    """Guard against a reader that counts the lines of the preamble differently (quoted breaks)."""
+    cells = split_cells(source.head()[header.first_row], delimiter)
+    for index, column in values.items():
+        if index < len(cells) and cells[index]:
+            try:
+                expected = float(cells[index].replace(mark, "."))
+            except ValueError:
+                return False
+            if not np.isclose(column[0], expected, rtol=1e-12, atol=0):
+                return False
+    return True
+
+
+def _walk(
+    source: Source, header: Header | None, delimiter: str
+) -> list[tuple[Header, list[int], list[str]]]:
+    """Return each table's header, the lines of its rows, and notes on lines that were left."""
+    blocks = []
+    while header is not None:
+        rows, stop, notes = _rows(source, header, delimiter)
+        following = _next_header(source, header, stop, delimiter)
+        blocks.append((header, rows, notes))
+        header = following
+    return blocks
+
+
+def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], int, list[str]]:
+    """Return the lines of the rows under a header and the line at which they stop."""
+    lines, used, rows = source.lines, header.used(), []
+    width = max(header.width, len(header.names))
+    for number in range(header.first_row, len(lines)):
+        line = lines[number]
+        if not line.strip(" \t,;|\"'"):
+            continue
+        cells = split_cells(line, delimiter)
+        if len(cells) > width and any(cells[width:]):
+            _refuse_wide(source, number, len(cells), width)
+        if _PLAIN_ROW.fullmatch(line) or is_row(cells, used):
+            rows.append(number)
+            continue
+        if number == len(lines) - 1 and not source.ends_in_newline():
+            break
+        _refuse_damaged(source, number, cells, used)
+        return rows, number, []
+    return *_without_cut_row(source, header, rows, delimiter), _notes(source, header, rows, delimiter)
+
+
+def _refuse_wide(source: Source, number: int, found: int, width: int) -> None:
+    raise Unreadable(
+        f"{source.path}: line {number + 1}: {found} cells under a header of {width}: a decimal or"
+        " thousands comma without quotes?"
+    )
+
+
+def _refuse_damaged(source: Source, number: int, cells: list[str], used: list[int]) -> None:
+    """Refuse a row in which some used cells are numbers and others are not; text may pass."""
+    filled = [(i, cells[i]) for i in used if i < len(cells) and cells[i]]
+    wrong = [(i, cell) for i, cell in filled if not looks_numeric(cell)]
+    if wrong and len(wrong) < len(filled):
+        index, cell = wrong[0]
+        raise Unreadable(
+            f"{source.path}: line {number + 1}: column {index + 1} holds '{cell[:40]}', not a"
+            " number (a fill value or a damaged row?)"
+        )
+
+
+def _without_cut_row(
+    source: Source, header: Header, rows: list[int], delimiter: str
+) -> tuple[list[int], int]:
+    last = len(source.lines) - 1
+    if rows and rows[-1] == last and not source.ends_in_newline():
+        tail = source.lines[max(header.first_row, last - 40) :]
+        if _is_cut(tail, header, delimiter):
+            rows = rows[:-1]
+    return rows, last + 1
+
+
+def _notes(source: Source, header: Header, rows: list[int], delimiter: str) -> list[str]:
+    last = len(source.lines) - 1
+    if source.ends_in_newline() or not source.lines[last].strip():
+        return []
+    tail = source.lines[max(header.first_row, last - 40) :]
+    if _is_cut(tail, header, delimiter) or (rows and rows[-1] < last):
+        return [f"line {last + 1}: the file stops inside this row; 1 row lost, {len(rows)} kept"]
+    return []
+
+
+def _next_header(source: Source, header: Header, stop: int, delimiter: str) -> Header | None:
+    """Return the next header; refuse rows that go on after a text line without one."""
+    following = find_header(source.lines, delimiter, stop)
+    end = following.line if following else len(source.lines)
+    for number in range(stop, end):
+        cells = split_cells(source.lines[number], delimiter)
+        if len(cells) >= header.width and is_row(cells, header.used()):
+            raise Unreadable(
+                f"{source.path}: line {stop + 1}: text within the data"
+                f" ('{source.lines[stop][:40]}'); rows go on at line {number + 1} without a header"
+            )
+    return following
+
+
+def _exact(source: Source, header: Header, rows: list[int], delimiter: str) -> Body:
+    """Convert the used cells of the rows, every cell checked."""
+    if not rows:
+        raise Unreadable(f"{source.path}: line {header.line + 1}: a header without complete rows")
+    cells = [split_cells(source.lines[number], delimiter) for number in rows]
+    texts = {
+        i: pd.Series([row[i] if i < len(row) else "" for row in cells], dtype=object)
+        for i in header.used()
+    }
+    body = Body(header, {}, np.array(rows))
+    try:
+        filled = (text for column in texts.values() for text in column if text)
+        body.decimal = decimal_mark(filled)
+    except Unclear as error:
+        raise Unreadable(f"{source.path}: {error}") from None
+    for index, column in texts.items():
+        try:
+            body.values[index], grouped = to_numbers(column, body.decimal)
+        except Unclear as error:
+            line = rows[error.position] + 1
+            raise Unreadable(f"{source.path}: line {line}: {error}") from None
+        body.thousands |= grouped
+    return body
+

@@ -1,0 +1,115 @@
+"""How numbers are written: which mark is the decimal one, which groups thousands.
+
+The decimal mark is decided from every number of the used columns, before thousands are thought
+of, and grouping is then checked cell by cell: a wrong guess here scales a force by a thousand.
+"""
+
+import re
+from collections.abc import Iterable
+
+import numpy as np
+import pandas as pd
+
+SPACES = " \u00a0\u202f\u2009\u2007"
+_EXPONENT = r"(?:[eE][-+]?\d+)?"
+_LOOKS = re.compile(rf"\s*[-+\u2212]?(?:\d[\d.,'\u2019{SPACES}]*|[.,]\d+){_EXPONENT}\s*")
+_PLAIN = {mark: re.compile(rf"[-+]?(?:\d+(?:[{mark}]\d*)?|[{mark}]\d+){_EXPONENT}") for mark in ".,"}
+_GROUPED = {
+    mark: re.compile(rf"[-+]?[1-9]\d{{0,2}}(?P<sep>[,.'\u2019{SPACES}])\d{{3}}(?:(?P=sep)\d{{3}})*"
+                     rf"(?P<tail>[{mark}]\d*)?{_EXPONENT}")
+    for mark in ".,"
+}  # fmt: skip
+_MARKS = re.compile(r"[.,].*[.,]")
+_WHOLE_MILLIONS = re.compile(r"[-+]?\d{1,3}(?:[,.]\d{3}){2,}")
+
+
+class Unclear(ValueError):
+    """The numbers contradict each other or allow two readings; ``position`` is the first's row."""
+
+    def __init__(self, message: str, position: int = 0) -> None:
+        super().__init__(message)
+        self.position = position
+
+
+def looks_numeric(cell: str) -> bool:
+    """Tell whether the cell could be a number in some notation."""
+    return _LOOKS.fullmatch(cell.strip().strip("\"'")) is not None
+
+
+def decimal_mark(cells: Iterable[str]) -> str:
+    """Return the decimal mark that every cell agrees with.
+
+    Raises
+    ------
+    Unclear
+        When cells contradict each other, or ``1,424`` could be either of two numbers.
+    """
+    marked = [c for c in cells if "," in c or "." in c]
+    proofs = {mark: next((c for c in marked if _proves(c, mark)), None) for mark in ".,"}
+    if proofs["."] and proofs[","]:
+        raise Unclear(f"'{proofs['.']}' needs a decimal point and '{proofs[',']}' a decimal comma")
+    if proofs["."] or proofs[","]:
+        return "." if proofs["."] else ","
+    commas = next((c for c in marked if "," in c), None)
+    points = next((c for c in marked if "." in c), None)
+    if commas is None:
+        return "."
+    if points is not None:
+        raise Unclear(f"'{commas}' and '{points}' do not say which mark is the decimal one")
+    raise Unclear(f"'{commas}' could be a decimal or a thousand: no other number tells")
+
+
+def _proves(cell: str, mark: str) -> bool:
+    """Return True when the cell is a number only if ``mark`` is the decimal mark."""
+    other = "," if mark == "." else "."
+    return _valid(cell, mark) and not _valid(cell, other)
+
+
+def _valid(cell: str, mark: str) -> bool:
+    if _PLAIN[mark].fullmatch(cell):
+        return True
+    grouped = _GROUPED[mark].fullmatch(cell)
+    return grouped is not None and grouped["sep"] != mark
+
+
+def to_numbers(cells: pd.Series, mark: str) -> tuple[np.ndarray, bool]:
+    """Convert written numbers to floats and tell whether any was grouped; empty gives NaN.
+
+    Raises
+    ------
+    Unclear
+        With the position of the first cell that is not a number, or whose grouping is broken.
+    """
+    bare = cells.fillna("").str.strip().str.replace("\u2212", "-")
+    empty = (bare == "").to_numpy()
+    simple = bare.str.fullmatch(_PLAIN[mark]).to_numpy(dtype=bool)
+    odd = np.flatnonzero(~simple & ~empty)
+    values = np.full(len(bare), np.nan)
+    texts = bare.to_numpy(dtype=object)
+    values[simple] = [float(text.replace(mark, ".")) for text in texts[simple]]
+    for position in odd:
+        values[position] = _grouped_number(texts[position], mark, int(position))
+    _refuse_lost_decimals(values, texts, odd)
+    return values, bool(len(odd))
+
+
+def _grouped_number(text: str, mark: str, position: int) -> float:
+    match = _GROUPED[mark].fullmatch(text)
+    if match is None or match["sep"] == mark:
+        twice = " (several marks: has a spreadsheet changed it?)" if _MARKS.search(text) else ""
+        raise Unclear(f"'{text}' is not a number{twice}", position)
+    return float(text.replace(match["sep"], "").replace(mark, "."))
+
+
+def _refuse_lost_decimals(values: np.ndarray, texts: np.ndarray, odd: np.ndarray) -> None:
+    """Refuse ``2,110,849`` among numbers with decimals: a spreadsheet ate the decimal point."""
+    whole = [i for i in odd if _WHOLE_MILLIONS.fullmatch(texts[i])]
+    if not whole or len(whole) == len(values):
+        return
+    others = np.delete(np.abs(values), whole)
+    if abs(values[whole[0]]) > 100 * np.nanmax(others, initial=0.0):
+        raise Unclear(
+            f"'{texts[whole[0]]}' is over 100 times every other value: a spreadsheet has probably"
+            " lost its decimal point",
+            int(whole[0]),
+        )

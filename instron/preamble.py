@@ -1,0 +1,119 @@
+"""What stands before the data: metadata, specimen names, and results the file itself states."""
+
+import re
+from dataclasses import dataclass
+
+import pandas as pd
+
+from instron.layout import Header, split_cells
+from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
+from instron.words import plain, split_unit, unit_of
+
+MAXIMUM = re.compile(r"\b(max|maximum|maximale?|maxima|peak|hochst\w*|fmax|ultimate)\b")
+LOAD = re.compile(r"\b(load|force|kraft|last|carga|charge|forza|fmax)\b")
+ELSEWHERE = re.compile(r"\b(at|bei|a|en|per|of|extension|strain|stress|displacement|time|zeit)\b")
+LABEL = re.compile(r"specimen (label|name|id)|sample (name|id|label)|^specimen$|^sample$|probe\b")
+
+
+@dataclass(frozen=True)
+class StatedMaximum:
+    """A maximum load that the file states about itself."""
+
+    value: float
+    unit: str | None
+    line: int
+    text: str
+
+
+def metadata(lines: list[str], delimiter: str) -> dict[str, str]:
+    """Return ``key: value [unit]`` of the lines before a header."""
+    found: dict[str, str] = {}
+    for number, line in enumerate(lines):
+        cells = [cell for cell in split_cells(line.lstrip("\ufeff"), delimiter) if cell]
+        if len(cells) == 1 and ":" in cells[0]:
+            cells = [part.strip() for part in cells[0].split(":", 1)]
+        if cells and cells[0]:
+            key = cells[0].rstrip(": ")
+            key = key if key not in found else f"{key} (line {number + 1})"
+            found[key] = " ".join(cells[1:])
+    return found
+
+
+def specimen_label(facts: dict[str, str]) -> str | None:
+    """Return the name the metadata give the specimen, or None."""
+    for key, value in facts.items():
+        if LABEL.search(plain(key)) and value:
+            return value
+    return None
+
+
+def labels_above(lines: list[str], header: Header, delimiter: str) -> list[str]:
+    """Return the specimen names of the row above side-by-side headers, as many as there are."""
+    firsts = [min(c.index for c in specimen.values()) for specimen in header.specimens]
+    for line in reversed(lines[max(0, header.line - 3) : header.line]):
+        cells = split_cells(line, delimiter)
+        bounds = [*firsts[1:], len(cells)]
+        names = [
+            next((cell for cell in cells[max(0, a - (k == 0)) : b] if cell and _is_name(cell)), "")
+            for k, (a, b) in enumerate(zip(firsts, bounds, strict=True))
+        ]
+        if all(names):
+            return names
+    return []
+
+
+def _is_name(cell: str) -> bool:
+    return plain(cell) not in {"name", "specimen", "sample", "unit", "title"}
+
+
+def stated_maxima(lines: list[str], delimiter: str) -> list[StatedMaximum]:
+    """Return every maximum load stated in these lines, in key-value or table form."""
+    found = []
+    for number, line in enumerate(lines):
+        cells = split_cells(line, delimiter)
+        for index, cell in enumerate(cells):
+            if not _is_maximum_load(cell):
+                continue
+            found += _beside(cells, index, number) or _below(lines, number, index, delimiter)
+    return found
+
+
+def _is_maximum_load(cell: str) -> bool:
+    name = plain(split_unit(cell)[0])
+    return bool(MAXIMUM.search(name) and LOAD.search(name) and not ELSEWHERE.search(name))
+
+
+def _beside(cells: list[str], index: int, number: int) -> list[StatedMaximum]:
+    """Read ``Maximum load, 1442.21, N``."""
+    if index + 1 >= len(cells) or index > 1 or not looks_numeric(cells[index + 1]):
+        return []
+    value = _number(cells[index + 1])
+    unit = cells[index + 2] if index + 2 < len(cells) and unit_of(cells[index + 2]) else None
+    unit = unit or split_unit(cells[index])[1]
+    return [] if value is None else [StatedMaximum(value, unit, number, cells[index])]
+
+
+def _below(lines: list[str], number: int, index: int, delimiter: str) -> list[StatedMaximum]:
+    """Read a results table: the column under ``Maximum Load``, its unit in the cell or a row."""
+    unit, found = split_unit(split_cells(lines[number], delimiter)[index])[1], []
+    for offset, line in enumerate(lines[number + 1 : number + 60], start=1):
+        cells = split_cells(line, delimiter)
+        cell = cells[index] if index < len(cells) else ""
+        if offset == 1 and unit_of(cell):
+            unit = cell
+        elif looks_numeric(cell) and not re.match(r"(?i)\s*\"?(mean|sd|std|stand|cv|min|max)", line):
+            value = _number(cell)
+            if value is not None:
+                found.append(StatedMaximum(value, unit, number + offset, "maximum load"))
+        elif found or offset > 2:
+            break
+    return found
+
+
+def _number(cell: str) -> float | None:
+    """Return a lone number; one that allows two readings is no check."""
+    try:
+        mark = decimal_mark([cell])
+        return float(to_numbers(pd.Series([cell], dtype=object), mark)[0][0])
+    except Unclear:
+        return None

@@ -1,0 +1,150 @@
+"""A file as text: its encoding, line ends, and what is not a text export at all."""
+
+import codecs
+import mmap
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from instron.errors import Unreadable
+from instron.words import PIECES, WORDS, plain
+
+HEAD_BYTES = 1 << 18
+ENCODINGS = ("gb18030", "shift_jis", "cp1251", "cp1250")
+
+
+@dataclass(frozen=True)
+class Source:
+    """Bytes of a file in an encoding whose delimiters and digits are plain ASCII."""
+
+    path: Path
+    data: mmap.mmap | bytes
+    encoding: str
+    written: str  # the encoding of the file itself
+    newline: str
+    on_disk: bool  # data are the file's own bytes, so pandas may read the file itself
+
+    @cached_property
+    def lines(self) -> list[str]:
+        """All lines, decoded; only asked for when the quick path does not suffice."""
+        return split_lines(self.data[:].decode(self.encoding, errors="replace"))
+
+    def head(self) -> list[str]:
+        """Return the first lines, decoded, up to 256 kB."""
+        piece = self.data[:HEAD_BYTES]
+        if len(piece) == HEAD_BYTES:
+            piece = piece[: piece.rfind(b"\n") + 1] or piece
+        return split_lines(piece.decode(self.encoding, errors="replace"))
+
+    def ends_in_newline(self) -> bool:
+        """Tell whether the last line is closed."""
+        return self.data[-1:] == b"\n"
+
+
+def split_lines(text: str) -> list[str]:
+    r"""Split at ``\n`` only (``str.splitlines`` also splits at form feeds and the like)."""
+    lines = text.split("\n")
+    if lines[-1] == "":
+        lines.pop()
+    return [line.rstrip("\r") for line in lines]
+
+
+def open_source(path: Path) -> Source:
+    """Open a file and find its encoding and line ends.
+
+    Raises
+    ------
+    Unreadable
+        For an empty file, XML, zero bytes, or a binary file.
+    """
+    data = _mapped(path)
+    start = data[:HEAD_BYTES]
+    utf16 = _utf16(start)
+    if utf16:
+        return _rewritten(path, _decode_utf16(path, data, utf16), "utf-16", "utf-8")
+    _refuse_foreign(path, data, start.decode("latin-1"))
+    encoding = _encoding(data, start)
+    if b"\r" in start and b"\n" not in start:
+        text = data[:].replace(b"\r", b"\n")
+        return Source(path, text, encoding, encoding, "CR", on_disk=False)
+    newline = "CRLF" if b"\r\n" in start else "LF"
+    return Source(path, data, encoding, encoding, newline, on_disk=True)
+
+
+def _mapped(path: Path) -> mmap.mmap | bytes:
+    with path.open("rb") as file:
+        if path.stat().st_size == 0:
+            raise Unreadable(f"{path}: the file is empty")
+        return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def _utf16(start: bytes) -> str | None:
+    if start.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    sample = start[:1000]
+    if len(sample) >= 20 and sample[1::2].count(0) > 0.4 * len(sample):
+        return "utf-16-le"
+    return None
+
+
+def _decode_utf16(path: Path, data: mmap.mmap | bytes, encoding: str) -> str:
+    try:
+        text = data[: len(data) // 2 * 2].decode(encoding)
+    except UnicodeDecodeError as error:
+        raise Unreadable(f"{path}: not valid UTF-16 at byte {error.start}") from None
+    text = text.lstrip("\ufeff")
+    _refuse_foreign(path, text.encode("utf-8"), text[:200])
+    return text
+
+
+def _rewritten(path: Path, text: str, written: str, encoding: str) -> Source:
+    newline = "CRLF" if "\r\n" in text else "LF" if "\n" in text else "CR"
+    if newline == "CR":
+        text = text.replace("\r", "\n")
+    return Source(path, text.encode(encoding), encoding, written, newline, on_disk=False)
+
+
+def _refuse_foreign(path: Path, data: mmap.mmap | bytes, start: str) -> None:
+    """Refuse what is no text table, by its first characters."""
+    opening = start[:200].lstrip("\ufeff\u00ef\u00bb\u00bf \r\n\t")
+    if opening.startswith("<"):
+        raise Unreadable(
+            f"{path}: line 1: an XML or HTML file (a Bluehill .is_tens sample or method?), not an"
+            " export; export the raw data as CSV"
+        )
+    if opening.startswith(("PK\x03\x04", "\u00d0\u00cf\u0011\u00e0")):
+        raise Unreadable(f"{path}: a spreadsheet workbook, not text; save the sheet as CSV")
+    zero = data.find(b"\0")
+    if zero >= 0:
+        line = data[:zero].count(b"\n") + 1
+        raise Unreadable(f"{path}: line {line}: zero bytes: the file is damaged or binary")
+    if not opening:
+        raise Unreadable(f"{path}: the file holds only blanks")
+
+
+def _encoding(data: mmap.mmap | bytes, start: bytes) -> str:
+    """Return the first encoding in which the head shows this trade's words.
+
+    Single-byte code pages decode anything, so those are tried only where their own letters spell
+    a word for time, displacement or force; cp1252 is what Windows writes otherwise.
+    """
+    if start.startswith(codecs.BOM_UTF8):
+        return "utf-8-sig"
+    if start.isascii():
+        return "ascii"
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(start, final=len(start) == len(data))
+        return "utf-8"
+    except UnicodeDecodeError:
+        pass
+    return next((name for name in ENCODINGS if _spells(start, name)), "cp1252")
+
+
+def _spells(start: bytes, encoding: str) -> bool:
+    text = plain(start.decode(encoding, errors="ignore")[:20000])
+    if encoding in ("gb18030", "shift_jis"):
+        # A lone 力 also comes about by chance; two quantities do not.
+        found = [any(plain(p) in text for p in PIECES[q] if len(p) > 1) for q in PIECES]
+        return sum(found) >= 2
+    words = {w for table in WORDS.values() for w in table if not w.isascii()}
+    return bool(words & set(text.split()))
