@@ -51,11 +51,6 @@ class Camera:
         """Where the optical axis meets the picture (2,) [px]."""
         return (np.array(self.size) - 1) / 2
 
-    @property
-    def view_angle(self) -> float:
-        """Full vertical angle of view [rad]."""
-        return 2 * np.arctan(self.size[1] * self.pixel_pitch / (2 * self.focal_length))
-
 
 def facing(
     centre: Array,

@@ -13,6 +13,7 @@ from combing.camera import Array, Camera
 from combing.errors import UserError
 
 SIDES = 32
+TILE = 1536
 MARKER_DICTIONARY = cv2.aruco.DICT_4X4_50
 MARKER_CELLS = 6
 
@@ -87,12 +88,11 @@ def render(
     combing.errors.UserError
         If pyvista is not installed.
     """
-    with _plotter(camera, supersampling, background) as plotter:
+    with _plotter(camera, background) as plotter:
         for strand, radius, colour in zip(strands, radii, colours, strict=True):
             _add_tube(plotter, strand, radius, colour)
         _add_props(plotter, tine, clamp, marker)
-        drawn = plotter.screenshot(None, return_img=True)
-    return cv2.resize(drawn[..., :3], camera.size, interpolation=cv2.INTER_AREA)
+        return _drawn_in_tiles(plotter, camera, supersampling)
 
 
 def _pyvista() -> Any:
@@ -104,28 +104,47 @@ def _pyvista() -> Any:
 
 
 @contextmanager
-def _plotter(camera: Camera, supersampling: int, background: Sequence[float]) -> Iterator[Any]:
+def _plotter(camera: Camera, background: Sequence[float]) -> Iterator[Any]:
     pyvista = _pyvista()
     from vtkmodules.vtkCommonCore import vtkLogger
 
     # VTK complains about an absent screen before it falls back to drawing without one.
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    size = [supersampling * edge for edge in camera.size]
-    plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
+    plotter = pyvista.Plotter(off_screen=True, window_size=[64, 64], lighting="none")
     try:
         plotter.set_background(background)
-        _point(plotter, camera)
+        plotter.camera.position = camera.position
+        plotter.camera.focal_point = camera.target
+        plotter.camera.up = camera.up
         _light(plotter, pyvista, camera)
         yield plotter
     finally:
         plotter.close()
 
 
-def _point(plotter: Any, camera: Camera) -> None:
-    plotter.camera.position = camera.position
-    plotter.camera.focal_point = camera.target
-    plotter.camera.up = camera.up
-    plotter.camera.view_angle = np.degrees(camera.view_angle)
+def _drawn_in_tiles(plotter: Any, camera: Camera, supersampling: int) -> NDArray:
+    """Draw tile by tile: beyond some size the graphics library returns black without a word."""
+    width, height = camera.size
+    picture = np.empty((height, width, 3), np.uint8)
+    for top in range(0, height, TILE):
+        for left in range(0, width, TILE):
+            size = (min(TILE, width - left), min(TILE, height - top))
+            _aim(plotter, camera, (left, top), size)
+            plotter.window_size = [supersampling * edge for edge in size]
+            drawn = plotter.screenshot(None, return_img=True)[..., :3]
+            tile = cv2.resize(drawn, size, interpolation=cv2.INTER_AREA)
+            picture[top : top + size[1], left : left + size[0]] = tile
+    return picture
+
+
+def _aim(plotter: Any, camera: Camera, corner: tuple[int, int], size: tuple[int, int]) -> None:
+    """Let the window see one tile of the picture: an off-axis view from the same pinhole."""
+    tile = np.array(size)
+    offset = 2 * (corner + (tile - 1) / 2 - camera.centre) / tile
+    plotter.camera.SetWindowCenter(offset[0], -offset[1])
+    half = size[1] * camera.pixel_pitch / (2 * camera.focal_length)
+    plotter.camera.view_angle = np.degrees(2 * np.arctan(half))
+    plotter.renderer.ResetCameraClippingRange()
 
 
 def _light(plotter: Any, pyvista: Any, camera: Camera) -> None:
@@ -157,16 +176,17 @@ def _add_tube(plotter: Any, strand: Array, radius: float, colour: Sequence[float
 
 def _add_props(plotter: Any, tine: Tine | None, clamp: Clamp | None, marker: Marker | None) -> None:
     pyvista = _pyvista()
-    solid = {"ambient": 0.3, "diffuse": 0.6, "specular": 0.3, "reset_camera": False}
+    # Matt black, as one paints what must not shine beside coloured strands.
+    black = {"color": (0.1, 0.1, 0.1), "ambient": 0.4, "diffuse": 0.4, "reset_camera": False}
     if tine is not None:
         cylinder = pyvista.Cylinder(
             center=tine.centre, direction=tine.axis, radius=tine.radius, height=tine.length
         )
-        plotter.add_mesh(cylinder, color=(0.55, 0.55, 0.55), **solid)
+        plotter.add_mesh(cylinder, **black)
     if clamp is not None:
         length, width, height = clamp.edges
         box = pyvista.Cube(center=clamp.centre, x_length=length, y_length=width, z_length=height)
-        plotter.add_mesh(box, color=(0.3, 0.3, 0.3), **solid)
+        plotter.add_mesh(box, **black)
     if marker is not None:
         plotter.add_mesh(
             _quad(marker), texture=_pattern(marker), lighting=False, reset_camera=False

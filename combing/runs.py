@@ -1,0 +1,111 @@
+"""Simulate scenes side by side, once each: a run that is on disk already is not run again."""
+
+import hashlib
+import os
+from collections.abc import Mapping
+from concurrent.futures import FIRST_EXCEPTION, Future, ProcessPoolExecutor, wait
+from functools import cache, partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+import sim
+
+POLL = 0.2  # seconds between two looks at the progress of the runs
+_fractions: Any = None
+
+
+@cache
+def model_version() -> str:
+    """Hash of the solver's sources: a changed solver does not reuse runs of the old one."""
+    root = Path(sim.__file__).parent
+    content = hashlib.sha256()
+    for path in sorted(root.rglob("*.py")):
+        content.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
+    return content.hexdigest()[:12]
+
+
+def run_name(scene: sim.Scene) -> str:
+    """File name of a scene's run: a hash of every parameter and of the solver."""
+    content = f"{model_version()} {scene.model_dump_json()}"
+    return hashlib.sha256(content.encode()).hexdigest()[:16] + ".nc"
+
+
+def simulate_all(
+    scenes: Mapping[Path, sim.Scene] | Mapping[str, sim.Scene],
+    folder: Path,
+    *,
+    jobs: int | None = None,
+    quiet: bool = False,
+) -> dict[Any, sim.Run]:
+    """Simulate scenes in processes of their own and open the runs.
+
+    Parameters
+    ----------
+    scenes : mapping
+        Scenes by any key; the same scene under two keys is run once.
+    folder : Path
+        Where the runs are kept, one NetCDF file each, named by `run_name`.
+    jobs : int, optional
+        Processes at once; as many as there are cores when absent.
+    quiet : bool
+        Show no progress.
+
+    Returns
+    -------
+    dict
+        `sim.Run` by the keys of `scenes`.
+
+    Raises
+    ------
+    sim.SceneError, sim.Unstable
+        What a scene raises. Runs that were finished before stay on disk.
+    """
+    paths = {key: folder / run_name(scene) for key, scene in scenes.items()}
+    missing = {paths[key]: scene for key, scene in scenes.items() if not paths[key].exists()}
+    if missing:
+        folder.mkdir(parents=True, exist_ok=True)
+        _simulate_missing(missing, min(len(missing), jobs or os.cpu_count() or 1), quiet)
+    return {key: sim.open_run(path) for key, path in paths.items()}
+
+
+def _simulate_missing(missing: Mapping[Path, sim.Scene], jobs: int, quiet: bool) -> None:
+    context = get_context("spawn")
+    fractions = context.Array("d", len(missing))
+    with ProcessPoolExecutor(jobs, context, _adopt, (fractions,)) as pool:
+        futures = [
+            pool.submit(_simulate, number, scene, path)
+            for number, (path, scene) in enumerate(missing.items())
+        ]
+        try:
+            _watch(futures, fractions, quiet)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _watch(futures: list[Future], fractions: Any, quiet: bool) -> None:
+    total = len(futures)
+    with tqdm(total=100.0, desc=f"simulating {total} scenes", unit="%", disable=quiet) as bar:
+        bar.bar_format = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+        running = set(futures)
+        while running:
+            done, running = wait(running, timeout=POLL, return_when=FIRST_EXCEPTION)
+            for future in done:
+                future.result()
+            bar.update(100 * sum(fractions) / total - bar.n)
+
+
+def _adopt(fractions: Any) -> None:
+    global _fractions
+    _fractions = fractions
+
+
+def _simulate(number: int, scene: sim.Scene, path: Path) -> None:
+    sim.simulate(scene, path, progress=partial(_report, number))
+
+
+def _report(number: int, fraction: float) -> None:
+    _fractions[number] = fraction
