@@ -1,6 +1,29 @@
 """Exports of testing machines to force logs, scaled curves, events, repeats; Love's helix."""
 
+from instron.bluehill import write_bluehill
 from instron.errors import RigError, Unreadable, Unscalable
+from instron.events import events
+from instron.love import love_force, theory_curve, wrench
 from instron.read import read
+from instron.repeats import Repeats, repeats
+from instron.rig import Rig, load_rig
+from instron.scale import noise_of, scale, work
 
-__all__ = ["RigError", "Unreadable", "Unscalable", "read"]
+__all__ = [
+    "Repeats",
+    "Rig",
+    "RigError",
+    "Unreadable",
+    "Unscalable",
+    "events",
+    "load_rig",
+    "love_force",
+    "noise_of",
+    "read",
+    "repeats",
+    "scale",
+    "theory_curve",
+    "work",
+    "wrench",
+    "write_bluehill",
+]

@@ -1,0 +1,194 @@
+"""Repeats of one experiment: mean, scatter, band, and what a mean curve must not be asked."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from instron.errors import Unscalable
+from instron.events import events
+from instron.scale import work
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """Repeats on one grid of x in [0, 1].
+
+    Attributes
+    ----------
+    grid
+        ``x``, ``mean``, ``sd`` (over specimens), ``low``, ``high`` (simultaneous band of the mean).
+    curves
+        One row per repeat: f on the grid.
+    table
+        One row per repeat: ``specimen``, ``f_max``, ``x_max``, ``w``, ``W`` [J], ``D`` [m],
+        ``peaks`` (number of jams and peaks).
+    summary
+        Per column of the table: ``mean``, ``sd``, ``low``, ``high`` (Student interval of the mean).
+    representative
+        Number of the repeat nearest to all others (the medoid).
+    registered
+        The grid of the landmark-registered mean, or None.
+    unregistered_because
+        Why there is no registered mean, or "".
+    level
+        Confidence level of the band and the intervals.
+    """
+
+    grid: pd.DataFrame
+    curves: np.ndarray
+    table: pd.DataFrame
+    summary: pd.DataFrame
+    representative: int
+    registered: pd.DataFrame | None
+    unregistered_because: str
+    level: float
+
+
+def repeats(
+    curves: Sequence[pd.DataFrame],
+    *,
+    points: int = 501,
+    level: float = 0.95,
+    resamples: int = 4000,
+    rng: np.random.Generator | int | None = 0,
+) -> Repeats:
+    """Combine the scaled curves of repeats, each scaled by its own D.
+
+    The maximum of the mean curve is not the mean of the maxima: where peaks differ in place, the
+    mean flattens them. f_max, work and peak count are therefore given per repeat.
+
+    Parameters
+    ----------
+    curves
+        From ``scale``.
+    points
+        Points of the common grid over x in [0, 1].
+    level
+        Confidence level.
+    resamples
+        Bootstrap resamples over specimens.
+    rng
+        Seed or generator of the bootstrap.
+
+    Raises
+    ------
+    Unscalable
+        For fewer than two curves.
+    """
+    if len(curves) < 2:
+        raise Unscalable(f"repeats need at least 2 curves, got {len(curves)}")
+    x = np.linspace(0, 1, points)
+    values = np.array([on_grid(curve, x) for curve in curves])
+    found = [_turning_points(curve) for curve in curves]
+    table = pd.DataFrame([_row(c, e) for c, e in zip(curves, found, strict=True)])
+    grid = _statistics(x, values, level, resamples, np.random.default_rng(rng))
+    registered, reason = _register(x, values, found, level, resamples, rng)
+    distance = np.sqrt(((values[:, None] - values[None]) ** 2).mean(axis=2))
+    return Repeats(
+        grid=grid,
+        curves=values,
+        table=table,
+        summary=_summary(table, level),
+        representative=int(np.argmin(distance.sum(axis=1))),
+        registered=registered,
+        unregistered_because=reason,
+        level=level,
+    )
+
+
+def on_grid(curve: pd.DataFrame, x: np.ndarray) -> np.ndarray:
+    """Return f at ``x``: the mean of the samples around each point, interpolated where sparse.
+
+    Averaging over the grid's own cells makes the result independent of the sampling rate.
+    """
+    table = curve[["x", "f"]].groupby("x", as_index=False, sort=True).mean()
+    position, f = table["x"].to_numpy(), table["f"].to_numpy()
+    edges = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2, [x[-1]]])
+    if len(position) < 4 * len(x):
+        return np.interp(x, position, f)
+    area = np.concatenate([[0], np.cumsum(np.diff(position) * (f[1:] + f[:-1]) / 2)])
+    return np.diff(np.interp(edges, position, area)) / np.diff(edges)
+
+
+def simultaneous_quantile(
+    residuals: np.ndarray, level: float, resamples: int, rng: np.random.Generator
+) -> float:
+    """Return c such that mean +- c se covers the whole curve with probability ``level``.
+
+    Multiplier-t bootstrap over specimens: residual curves get independent random weights, and
+    the largest |mean| / se over x is taken with the se of each resample. Resampling specimens
+    without that step is too narrow for few specimens.
+    """
+    n = len(residuals)
+    largest = np.empty(resamples)
+    scaled = residuals * np.sqrt(n / (n - 1))
+    for k in range(resamples):
+        sample = rng.standard_normal(n)[:, None] * scaled
+        sd = sample.std(axis=0, ddof=1)
+        ratio = np.abs(sample.mean(axis=0)) / np.where(sd > 0, sd / np.sqrt(n), np.inf)
+        largest[k] = ratio.max()
+    return float(np.quantile(largest, level))
+
+
+def _statistics(
+    x: np.ndarray, values: np.ndarray, level: float, resamples: int, rng: np.random.Generator
+) -> pd.DataFrame:
+    mean, sd = values.mean(axis=0), values.std(axis=0, ddof=1)
+    half = sd / np.sqrt(len(values))
+    half = half * simultaneous_quantile(values - mean, level, resamples, rng)
+    return pd.DataFrame({"x": x, "mean": mean, "sd": sd, "low": mean - half, "high": mean + half})
+
+
+def _turning_points(curve: pd.DataFrame) -> pd.DataFrame:
+    found = events(curve)
+    return found[found["kind"] != "plateau"].reset_index(drop=True)
+
+
+def _row(curve: pd.DataFrame, found: pd.DataFrame) -> dict[str, object]:
+    inside = curve[(curve["x"] >= 0) & (curve["x"] <= 1)]
+    top = inside["f"].idxmax()
+    W, w = work(curve)
+    return {
+        "specimen": str(curve.attrs.get("specimen", "")),
+        "f_max": float(inside["f"][top]),
+        "x_max": float(inside["x"][top]),
+        "w": w,
+        "W": W,
+        "D": float(curve.attrs.get("D", np.nan)),
+        "peaks": len(found),
+    }
+
+
+def _summary(table: pd.DataFrame, level: float) -> pd.DataFrame:
+    numbers = table.drop(columns="specimen")
+    n = len(numbers)
+    mean, sd = numbers.mean(), numbers.std(ddof=1)
+    half = sd / np.sqrt(n) * student.ppf((1 + level) / 2, n - 1)
+    return pd.DataFrame({"mean": mean, "sd": sd, "low": mean - half, "high": mean + half})
+
+
+def _register(
+    x: np.ndarray,
+    values: np.ndarray,
+    found: list[pd.DataFrame],
+    level: float,
+    resamples: int,
+    rng: np.random.Generator | int | None,
+) -> tuple[pd.DataFrame | None, str]:
+    """Return the mean after moving every peak to its mean place, or the reason there is none."""
+    counts = [len(peaks) for peaks in found]
+    if len(set(counts)) > 1:
+        return None, f"the repeats have {', '.join(map(str, counts))} peaks: nothing to match"
+    if counts[0] == 0:
+        return None, "no repeat has a peak"
+    marks = np.array([peaks["x"].to_numpy() for peaks in found])
+    target = np.concatenate([[0], marks.mean(axis=0), [1]])
+    moved = [
+        np.interp(np.interp(x, target, np.concatenate([[0], own, [1]])), x, f)
+        for own, f in zip(marks, values, strict=True)
+    ]
+    generator = np.random.default_rng(rng)
+    return _statistics(x, np.array(moved), level, resamples, generator), ""
