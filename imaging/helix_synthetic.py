@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 Array = NDArray[np.float64]
 RED, BLUE, GREY = (200, 40, 40), (40, 70, 190), (90, 92, 95)
+SUB = 4  # points per pixel side
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,7 @@ def draw_tubes(
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """Draw tubes of radius ``r`` about (n, 3) centrelines, nearest to the viewer on top.
 
-    Every pixel is the mean of 3 x 3 points. ``tine`` is (y, radius) of a horizontal bar in front.
+    Every pixel is the mean of SUB x SUB points. ``tine`` is (y, radius) of a horizontal bar in front.
     Brightness is mixed and blurred as light and encoded with gamma 2.2, as a camera does.
 
     Returns
@@ -185,7 +186,7 @@ def draw_tubes(
         palette = np.vstack([palette[:-1], colours[len(strands)], palette[-1]])
         top = np.where(top == len(strands), len(strands) + 1, top)
         y = _subpixels(shape)[1]
-        bar = np.broadcast_to(np.abs(y - tine[0]) < tine[1], top.shape)
+        bar = np.abs(y - tine[0]) < tine[1]
         top, shade, gloss = np.where(bar, len(strands), top), np.where(bar, 0.8, shade), gloss * ~bar
     linear = (palette[top] / 255) ** 2.2 * shade[..., None] + gloss[..., None]
     covers = [top == k for k in range(len(palette) - 1)]
@@ -214,10 +215,15 @@ def _frame(strands: Sequence[Array], margin: float) -> tuple[Array, tuple[int, i
 
 
 def _subpixels(shape: tuple[int, int]) -> tuple[Array, Array]:
-    """Coordinates (x as a row, y as a column) of 3 x 3 points in each pixel."""
-    x = (np.arange(3 * shape[1]) - 1) / 3
-    y = (np.arange(3 * shape[0]) - 1) / 3
-    return x[None, :], y[:, None]
+    """Coordinates x, y of SUB x SUB points in each pixel, on a sheared lattice.
+
+    No two points of a pixel share a row or a column, so an upright edge is placed to SUB^-2 px.
+    """
+    row, col = np.mgrid[0 : SUB * shape[0], 0 : SUB * shape[1]]
+    i, j = row % SUB, col % SUB
+    x = col // SUB + (j + (i + 0.5) / SUB) / SUB - 0.5
+    y = row // SUB + (i + (j + 0.5) / SUB) / SUB - 0.5
+    return x, y
 
 
 def _visible(
@@ -225,7 +231,7 @@ def _visible(
 ) -> tuple[NDArray[np.int64], Array, Array]:
     """Which tube each point shows (the number of tubes = background), its shade and its gloss."""
     x, y = _subpixels(shape)
-    top = np.full((y.size, x.size), len(strands))
+    top = np.full(x.shape, len(strands))
     height = np.full(top.shape, -np.inf)
     shade, gloss = np.ones(top.shape), np.zeros(top.shape)
     for k, strand in enumerate(strands):
@@ -241,12 +247,12 @@ def _tube_points(
     strand: Array, r: float, x: Array, y: Array
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], Array, Array]:
     """Points under a tube: rows, columns, offset (n, 2) from the centreline, surface height."""
-    near = np.zeros((y.size, x.size), dtype=bool)
-    reach = int(np.ceil(3 * r)) + 3
-    for px, py in np.rint(3 * strand[:: max(1, int(2 * r)), :2]).astype(int) + 1:
+    near = np.zeros(x.shape, dtype=bool)
+    reach = int(np.ceil(SUB * (r + 1)))
+    for px, py in np.rint(SUB * strand[:: max(1, int(2 * r)), :2]).astype(int):
         near[max(0, py - 2 * reach) : py + 2 * reach, max(0, px - reach) : px + reach] = True
     rows, cols = np.nonzero(near)
-    points = np.column_stack([x[0, cols], y[rows, 0]])
+    points = np.column_stack([x[rows, cols], y[rows, cols]])
     distance, index = cKDTree(strand[:, :2]).query(points, distance_upper_bound=r)
     inside = np.isfinite(distance)
     rows, cols, distance, index = rows[inside], cols[inside], distance[inside], index[inside]
@@ -266,9 +272,9 @@ def _shading(offset: Array, light: Light) -> tuple[Array, Array]:
 
 
 def _photograph(values: Array, blur: float) -> Array:
-    """Mean over each pixel's 3 x 3 points, then blur."""
+    """Mean over each pixel's points, then blur."""
     h, w = values.shape
-    pixel = values.reshape(h // 3, 3, w // 3, 3).mean(axis=(1, 3))
+    pixel = values.reshape(h // SUB, SUB, w // SUB, SUB).mean(axis=(1, 3))
     return gaussian_filter(pixel, blur) if blur else pixel
 
 

@@ -1,0 +1,200 @@
+"""The model of two twisted strands in a picture: splines along an axis, and the edges they give.
+
+Strand a and b have the centrelines (e = +1, -1)
+
+    C(s) = A(s) + e [R(s) cos(phi(s)) n(s) + T(s) sin(phi(s)) t(s)],   A = A0 + m(s) n0(s),
+
+with n, t the unit normal and tangent of the axis A in the picture. T/R is the sine of the angle
+by which the axis leaves the picture plane, or the slope of the line of sight in a near
+photograph: T/R = tau0 + tau1 y, with y the distance along the axis from the picture's centre.
+A tube's outline in the picture is the curve at distance r from its projected centreline, exactly.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline
+from scipy.sparse import csr_matrix
+
+from imaging.helix_axis import Axis
+
+Array = NDArray[np.float64]
+GRID = 0.5  # px; the centrelines are tabulated this densely
+
+
+@dataclass(frozen=True)
+class Values:
+    """The model's fields at some arclengths, each (n,) or (n, 2); primes are d/ds."""
+
+    phi: Array
+    dphi: Array
+    mid: Array
+    R: Array
+    lean: Array
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where each group of unknowns sits in the vector: knots of phi, m and R, then tau and radii."""
+
+    phi: Array
+    mid: Array
+    R: Array
+
+    @cached_property
+    def blocks(self) -> dict[str, slice]:
+        """Slices of the unknowns ``phi``, ``mid``, ``R``, ``lean`` (2) and ``radii`` (4)."""
+        sizes = {name: len(getattr(self, name)) - 4 for name in ("phi", "mid", "R")}
+        sizes |= {"lean": 2, "radii": 4}
+        ends = np.cumsum(list(sizes.values()))
+        return {
+            name: slice(int(end) - size, int(end))
+            for (name, size), end in zip(sizes.items(), ends, strict=True)
+        }
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.blocks["radii"].stop
+
+
+@dataclass(frozen=True)
+class Model:
+    """An axis to start from, the unknowns, and the picture's centre (x, y) [px]."""
+
+    axis: Axis
+    layout: Layout
+    beta: Array
+    centre: Array
+
+    def moved(self, beta: Array) -> "Model":
+        """Return the same model with other unknowns."""
+        return replace(self, beta=beta)
+
+    def part(self, name: str) -> Array:
+        """Return one block of the unknowns."""
+        return self.beta[self.layout.blocks[name]]
+
+    def at(self, s: Array) -> Values:
+        """Evaluate the splines at arclengths ``s``."""
+        phi = basis(self.layout.phi, s)
+        return Values(
+            phi @ self.part("phi"),
+            basis(self.layout.phi, s, 1) @ self.part("phi"),
+            basis(self.layout.mid, s) @ self.part("mid"),
+            basis(self.layout.R, s) @ self.part("R"),
+            self.leaning(s) @ self.part("lean"),
+        )
+
+    def leaning(self, s: Array) -> Array:
+        """Design (n, 2) of T/R: constant, and distance along the axis from the picture's centre."""
+        along = ((self.axis.points - self.centre) * self.axis.tangents).sum(axis=1)
+        length = self.axis.s[-1]
+        return np.column_stack([np.ones(len(s)), np.interp(s, self.axis.s, along) / length])
+
+    @cached_property
+    def table(self) -> "Table":
+        """The curves, tabulated."""
+        return _tabulate(self)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Axis, its frame and both centrelines at dense arclengths of the starting axis."""
+
+    s: Array
+    axis: Array
+    tangents: Array
+    normals: Array
+    speed: Array
+    strands: Array
+
+
+def knots(start: float, end: float, spacing: float) -> Array:
+    """Knots of a uniform cubic spline over [start, end], with three more on either side."""
+    count = max(int(np.ceil((end - start) / spacing)), 2)
+    h = (end - start) / count
+    return start + h * np.arange(-3, count + 4)
+
+
+def basis(knot: Array, s: Array, derivative: int = 0) -> csr_matrix:
+    """Cubic B-spline design (n, len(knot) - 4) or its first derivative."""
+    inside = np.clip(s, knot[3], knot[-4])
+    if derivative == 0:
+        return BSpline.design_matrix(inside, knot, 3)
+    lower = BSpline.design_matrix(inside, knot[1:-1], 2)
+    h = knot[1] - knot[0]
+    first = lower.shape[1]
+    difference = csr_matrix(np.diff(np.eye(first + 1), axis=0) / h)
+    return lower @ difference
+
+
+def outlines(model: Model) -> Array:
+    """Offsets (2, 2, n) at which the tubes' lower and upper edges cross each section [px].
+
+    The tube radius is the mean of the four effective radii.
+    """
+    table, axis, r = model.table, model.axis, float(model.part("radii").mean())
+    across = np.empty((2, 2, len(axis.s)))
+    for k, strand in enumerate(table.strands):
+        along = np.gradient(strand, axis=0)
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        normal = np.column_stack([along[:, 1], -along[:, 0]])
+        for j, q in enumerate((-1.0, 1.0)):
+            across[k, j] = _offsets(axis, table.s, strand + q * r * normal)
+    return across
+
+
+def feet(model: Model, strand: NDArray[np.int64], s: Array, points: Array) -> Array:
+    """Arclengths of the centreline points nearest to picture points, starting from ``s``."""
+    table = model.table
+    ds = table.s[1] - table.s[0]
+    for _ in range(6):
+        here, slope = _on_curve(table, strand, s, ds)
+        step = ((points - here) * slope).sum(axis=1) / (slope**2).sum(axis=1)
+        s = np.clip(s + step, table.s[0], table.s[-1])
+    return s
+
+
+def positions(model: Model, strand: NDArray[np.int64], s: Array) -> Array:
+    """Centreline points (n, 2) of the strands named, at arclengths ``s``."""
+    return _on_curve(model.table, strand, s, model.table.s[1] - model.table.s[0])[0]
+
+
+def _tabulate(model: Model) -> Table:
+    axis = model.axis
+    s = np.linspace(axis.s[0], axis.s[-1], int(axis.s[-1] / GRID) + 2)
+    values = model.at(s)
+    base = np.column_stack([np.interp(s, axis.s, axis.points[:, i]) for i in (0, 1)])
+    n0 = np.column_stack([np.interp(s, axis.s, axis.normals[:, i]) for i in (0, 1)])
+    points = base + values.mid[:, None] * n0
+    along = np.gradient(points, s, axis=0)
+    speed = np.linalg.norm(along, axis=1)
+    tangents = along / speed[:, None]
+    normals = np.column_stack([tangents[:, 1], -tangents[:, 0]])
+    offset = (values.R * np.cos(values.phi))[:, None] * normals
+    offset += (values.R * values.lean * np.sin(values.phi))[:, None] * tangents
+    return Table(s, points, tangents, normals, speed, np.stack([points + offset, points - offset]))
+
+
+def _offsets(axis: Axis, s: Array, points: Array) -> Array:
+    """Where a curve known at (s, points) crosses the sections of an axis."""
+    for _ in range(3):
+        base = np.column_stack([np.interp(s, axis.s, axis.points[:, i]) for i in (0, 1)])
+        tangent = np.column_stack([np.interp(s, axis.s, axis.tangents[:, i]) for i in (0, 1)])
+        s = s + ((points - base) * tangent).sum(axis=1)
+    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+    u = ((points - base) * normal).sum(axis=1)
+    return np.interp(axis.s, np.maximum.accumulate(s), u)
+
+
+def _on_curve(
+    table: Table, strand: NDArray[np.int64], s: Array, ds: float
+) -> tuple[Array, Array]:
+    """Points and derivatives d/ds on the tabulated strands, linear between entries."""
+    place = np.clip((s - table.s[0]) / ds, 0, len(table.s) - 1.000001)
+    i = place.astype(int)
+    here, there = table.strands[strand, i], table.strands[strand, i + 1]
+    return here + (place - i)[:, None] * (there - here), (there - here) / ds
