@@ -8,6 +8,7 @@ from skimage.morphology import skeletonize
 
 TRIM = 0.5  # strand widths at each end of a skeleton, where it turns into a corner
 REACH = 3.0  # strand widths over which the direction of an end is fitted
+SPECK = 1.5  # strand widths; a shorter piece has no direction to speak of
 CLEAR = 0.9  # strand widths cleared around a junction of the skeleton
 
 
@@ -50,8 +51,8 @@ def branches(mask: np.ndarray, width: float) -> list[np.ndarray]:
     skeleton = _without_spurs(skeletonize(crop), width)
     cut = skeleton & ~_near(_junctions(skeleton), CLEAR * width)
     origin = np.array([x0 - 1, y0 - 1])
-    paths = [_trimmed(path, width) for path in _paths(cut)]
-    return [path + origin for path in paths if len(path) >= max(3, 0.3 * width)]
+    paths = [path for path in _paths(cut) if len(path) >= max(4, SPECK * width)]
+    return [_trimmed(path, width) + origin for path in paths]
 
 
 def _neighbours(skeleton: np.ndarray) -> np.ndarray:

@@ -1,7 +1,10 @@
 """Sub-pixel centrelines: midpoints of the two half-contrast edges, smoothed along the strand."""
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
+from scipy import ndimage
 from scipy.interpolate import make_smoothing_spline
 
 STEP = 0.25  # px between samples across a strand
@@ -97,24 +100,33 @@ def _edge(profile: np.ndarray, other: np.ndarray, middle: np.ndarray, way: int) 
     return np.where(good & ~hidden, first - way + way * fraction, np.nan)
 
 
-def refine(
-    line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+class Centreline(NamedTuple):
+    """A refined centreline.
+
+    Attributes
+    ----------
+    line : (m, 2) array
+        Points about 1 px apart.
+    width, sd : (m,) arrays
+        Local width, and standard deviation across the strand [px].
+    edges : (m,) int array
+        How many of the two edges are seen: 0 = hidden, 1, 2.
+    """
+
+    line: np.ndarray
+    width: np.ndarray
+    sd: np.ndarray
+    edges: np.ndarray
+
+
+def refine(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> Centreline:
     """Move a rough centreline (n, 2) to the middle between the strand's edges.
 
     Where one edge is hidden the other is used with the strand's local width; where both are
     hidden the smoothing spline bridges with least bending.
-
-    Returns
-    -------
-    line : (m, 2) array
-        Points about 1 px apart.
-    width : (m,) array
-        Local width [px].
-    sd : (m,) array
-        Standard deviation across the strand [px].
     """
-    smooth = _smoothed(resample(line), np.full(len(resample(line)), 1.0), width)
+    even = resample(line)
+    smooth = _smoothed(even, np.ones(len(even)), width)
     for _ in range(2):
         smooth = resample(smooth)
         low, high = edges(smooth, own, strand, width)
@@ -122,22 +134,20 @@ def refine(
         offset, sd = _offsets(low, high, local)
         moved = smooth + offset[:, None] * normals(smooth)
         smooth = _smoothed(moved, np.where(np.isfinite(sd), 1 / np.square(sd), 0), width)
-    return smooth, local, _spread(moved, smooth, sd, width)
+    seen = np.where(np.isfinite(sd), np.isfinite(low).astype(int) + np.isfinite(high), 0)
+    return Centreline(smooth, local, _spread(moved, smooth, sd, width), seen)
 
 
 def _local_width(low: np.ndarray, high: np.ndarray, width: float) -> np.ndarray:
-    """Running median of the width where both edges show, filled in elsewhere."""
+    """Running mean of the width where both edges show, filled in elsewhere."""
     span = high - low
     known = np.isfinite(span) & (span < 1.6 * width)
     if known.sum() < 5:
         return np.full(len(span), width)
     at = np.flatnonzero(known)
-    kernel = np.ones(int(20 * width) | 1)
-    filled = np.interp(np.arange(len(span)), at, np.clip(span[at], 0, np.median(span[at]) * 1.3))
-    total = np.convolve(np.ones(len(span)), kernel, "same")[: len(span)] if len(kernel) <= len(span) else None
-    if total is None:
-        return np.full(len(span), np.median(span[at]))
-    return np.convolve(filled, kernel, "same") / total
+    typical = np.median(span[at])
+    filled = np.interp(np.arange(len(span)), at, np.clip(span[at], 0.7 * typical, 1.3 * typical))
+    return ndimage.uniform_filter1d(filled, int(20 * width) | 1, mode="nearest")
 
 
 def _offsets(low: np.ndarray, high: np.ndarray, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

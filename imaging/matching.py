@@ -5,7 +5,8 @@ import numpy as np
 
 from imaging.branches import End
 
-GIVE_UP = 9.0  # cost of leaving an end unjoined; a join may cost up to twice that
+GIVE_UP = 20.0  # cost of leaving an end of a long piece unjoined
+LONG = 5.0  # strand widths; the end of a shorter piece is given up more cheaply, in proportion
 TURN = 0.30  # rad; typical turn between an end's direction and the chord to its partner
 TURN_PER_WIDTH = 0.02  # rad more for each strand width of gap
 PLACE = 0.2  # strand widths; how well the place of an end is known
@@ -14,7 +15,9 @@ DISTANCE = 0.1  # cost of each strand width of gap
 FARTHEST = 60.0  # strand widths
 
 
-def join(ends: list[End], covered: np.ndarray, width: float) -> list[tuple[int, int]]:
+def join(
+    ends: list[End], lengths: np.ndarray, covered: np.ndarray, width: float
+) -> list[tuple[int, int]]:
     """Choose the joins of least total cost.
 
     A join costs its bending (turn at both ends over what is usual for its length), the length
@@ -24,6 +27,8 @@ def join(ends: list[End], covered: np.ndarray, width: float) -> list[tuple[int, 
     Parameters
     ----------
     ends : list of End
+    lengths : array
+        Length of the piece each end belongs to [px].
     covered : (h, w) bool array
         Where a strand may hide: under any strand.
     width : float
@@ -34,17 +39,18 @@ def join(ends: list[End], covered: np.ndarray, width: float) -> list[tuple[int, 
     list of (int, int)
         Indices into `ends`.
     """
+    spare = GIVE_UP * np.minimum(1, np.asarray(lengths) / (LONG * width))
     graph = nx.Graph()
-    for i, j, cost in _candidates(ends, covered, width):
-        graph.add_edge(i, j, weight=2 * GIVE_UP - cost)
+    for i, j, gain in _candidates(ends, spare, covered, width):
+        graph.add_edge(i, j, weight=gain)
     joins = [(min(a, b), max(a, b)) for a, b in nx.max_weight_matching(graph)]
     return _without_rings(sorted(joins), graph, ends)
 
 
 def _candidates(
-    ends: list[End], covered: np.ndarray, width: float
+    ends: list[End], spare: np.ndarray, covered: np.ndarray, width: float
 ) -> list[tuple[int, int, float]]:
-    """Pairs of ends whose join costs less than leaving both unjoined."""
+    """Pairs of ends whose join costs less than leaving both, and how much less."""
     if len(ends) < 4:
         return []
     points = np.array([e.point for e in ends])
@@ -52,14 +58,13 @@ def _candidates(
     branch = np.array([e.branch for e in ends])
     i, j = np.nonzero(np.triu(branch[:, None] != branch[None, :], 1))
     bend, gap = _bending(points[i], directions[i], points[j], directions[j], width)
-    cost = bend + DISTANCE * gap / width
-    good = (cost < 2 * GIVE_UP) & (gap < FARTHEST * width)
+    gain = spare[i] + spare[j] - bend - DISTANCE * gap / width
+    good = (gain > 0) & (gap < FARTHEST * width)
     found = []
-    for a, b, base in zip(i[good].tolist(), j[good].tolist(), cost[good].tolist(), strict=True):
-        path = bridge(ends[a], ends[b])
-        total = base + EXPOSED * _open_length(path, covered) / width
-        if total < 2 * GIVE_UP:
-            found.append((a, b, total))
+    for a, b, most in zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True):
+        left = most - EXPOSED * _open_length(bridge(ends[a], ends[b]), covered) / width
+        if left > 0:
+            found.append((a, b, left))
     return found
 
 
@@ -99,8 +104,9 @@ def bridge(a: End, b: End) -> np.ndarray:
 def _open_length(path: np.ndarray, covered: np.ndarray) -> int:
     """Pixels of a path that lie on open background."""
     x, y = np.round(path).astype(int).T
-    inside = (x >= 0) & (y >= 0) & (x < covered.shape[1]) & (y < covered.shape[0])
-    return int((inside & ~covered[y.clip(0, covered.shape[0] - 1), x.clip(0, covered.shape[1] - 1)]).sum())
+    height, across = covered.shape
+    inside = (x >= 0) & (y >= 0) & (x < across) & (y < height)
+    return int((inside & ~covered[y.clip(0, height - 1), x.clip(0, across - 1)]).sum())
 
 
 def _without_rings(

@@ -5,43 +5,53 @@ import numpy as np
 from scipy import ndimage
 
 CELL = 3.0  # side of a histogram cell, in units of 100 x (a, b)/(L + 16)
+RIM = 5  # empty cells around the histogram, more than its smoothing reaches
 LIGHTNESS_WEIGHT = 0.35  # of log(L + 16) beside (a, b)/(L + 16)
 PROMINENCE = 0.5  # a mode of the histogram must rise this far above the pass to a higher one
 RIDGE_SHARE = 0.02  # of all ridge pixels, below which a colour is not a strand
 
 
+def unmixed(lab: np.ndarray, background: np.ndarray, coverage: np.ndarray) -> np.ndarray:
+    """Colour of what covers a pixel only in part: b + (p - b)/coverage, per row.
+
+    The rim of a dark strand on a light ground looks like a lighter strand of another colour
+    until the ground's share is taken out.
+    """
+    pure = background + (lab - background) / np.maximum(coverage, 0.3)[:, None]
+    pure[:, 0] = np.clip(pure[:, 0], 0, 100)
+    return pure
+
+
 def colour_features(lab: np.ndarray, background: np.ndarray) -> np.ndarray:
-    """Return (h, w, 3) colour coordinates that uneven light and shading move little.
+    """Return (n, 3) colour coordinates that uneven light and shading move little.
 
     With f = cube root, a = 500 (f(X) - f(Y)) and L + 16 = 116 f(Y), so a/(L + 16) and b/(L + 16)
     do not change when the light is scaled; log(L + 16) shifts by a third of its logarithm and is
     counted from the local background's brightness.
-    """
-    base = lab[..., 0] + 16
-    level = background[..., 0] + 16
-    even = np.log(base) - np.log(level / level.mean())
-    return np.stack(
-        [
-            100 * lab[..., 1] / base,
-            100 * lab[..., 2] / base,
-            100 * LIGHTNESS_WEIGHT * even,
-        ],
-        axis=-1,
-    )
-
-
-def find_colours(
-    features: np.ndarray, lab: np.ndarray, ridge: np.ndarray, width: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Find the dense places of the ridge pixels' colours.
 
     Parameters
     ----------
-    features : (h, w, 3) array
-        From `colour_features`.
-    lab : (h, w, 3) array
-    ridge : (h, w) bool array
-        Pixels in the middle of strands.
+    lab, background : (n, 3) arrays
+        Colour of each pixel and of the background under it.
+    """
+    base = lab[:, 0] + 16
+    level = background[:, 0] + 16
+    even = np.log(base) - np.log(level / level.mean())
+    columns = [lab[:, 1] / base, lab[:, 2] / base, LIGHTNESS_WEIGHT * even]
+    return 100 * np.stack(columns, axis=1)
+
+
+def find_colours(
+    features: np.ndarray, lab: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Find the dense places among the colours of the strands' middles.
+
+    Parameters
+    ----------
+    features : (n, 3) array
+        From `colour_features`, for pixels in the middle of strands.
+    lab : (n, 3) array
+        The same pixels in Lab.
     width : float
         Typical strand width [px].
 
@@ -52,17 +62,16 @@ def find_colours(
     colours : (k, 3) array
         Colours in Lab.
     """
-    samples, shown = features[ridge], lab[ridge]
-    origin = samples.min(axis=0)
-    cells = np.floor((samples - origin) / CELL).astype(int) + 5  # an empty rim all round
-    count = np.zeros(cells.max(axis=0) + 6, np.float32)
+    cells = np.floor((features - features.min(axis=0)) / CELL).astype(int)
+    cells += RIM
+    count = np.zeros(cells.max(axis=0) + RIM + 1, np.float32)
     np.add.at(count, tuple(cells.T), 1)
     density = ndimage.gaussian_filter(count, 1.0, mode="constant")
     which = _modes(density)[tuple(cells.T)]
     sizes = np.bincount(which[which >= 0], minlength=1)
-    kept = np.flatnonzero(sizes >= max(RIDGE_SHARE * len(samples), 5 * width))
-    centres = np.array([np.median(samples[which == k], axis=0) for k in kept])
-    colours = np.array([np.median(shown[which == k], axis=0) for k in kept])
+    kept = np.flatnonzero(sizes >= max(RIDGE_SHARE * len(features), 5 * width))
+    centres = np.array([np.median(features[which == k], axis=0) for k in kept])
+    colours = np.array([np.median(lab[which == k], axis=0) for k in kept])
     return centres, colours
 
 
@@ -109,30 +118,40 @@ def _neighbour_steps(shape: tuple[int, ...]) -> np.ndarray:
 
 def vote(
     features: np.ndarray,
-    coverage: np.ndarray,
     strand: np.ndarray,
     centres: np.ndarray,
     width: float,
+    weight: np.ndarray,
 ) -> np.ndarray:
     """Label each strand pixel with the colour most of its neighbourhood shows.
 
-    Well covered pixels vote for the nearest colour; votes are spread over a quarter of a strand
-    width, so that highlights, noise and edge mixtures are outvoted.
+    Each pixel votes for the nearest colour; votes are spread over a quarter of a strand width, so
+    that highlights, noise and mixtures at edges are outvoted.
+
+    Parameters
+    ----------
+    features : (n, 3) array
+        Of the strand pixels, in the order of ``strand.nonzero()``.
+    strand : (h, w) bool array
+    centres : (k, 3) array
+    width : float
+        Typical strand width [px].
+    weight : (n,) array
+        What each pixel's vote counts.
 
     Returns
     -------
     (h, w) int32 array
         0 outside strands, else 1 + the index of the colour.
     """
-    distance = np.stack([((features - c) ** 2).sum(axis=2) for c in centres])
+    distance = np.stack([((features - centre) ** 2).sum(axis=1) for centre in centres])
     nearest = distance.argmin(axis=0)
-    weight = np.where(strand, coverage**4, 0).astype(np.float32)
-    best = np.zeros(strand.shape, np.float32)
-    labels = np.zeros(strand.shape, np.int32)
+    sigma = max(0.25 * width, 0.6)
+    votes = np.zeros(strand.shape, np.float32)
+    tally = np.empty((len(centres), len(features)), np.float32)
     for colour in range(len(centres)):
-        votes = np.where(nearest == colour, weight, 0)
-        votes = cv2.GaussianBlur(votes, (0, 0), max(0.25 * width, 0.6))
-        better = (votes > best) & strand
-        labels[better] = colour + 1
-        best[better] = votes[better]
+        votes[strand] = np.where(nearest == colour, weight, 0)
+        tally[colour] = cv2.GaussianBlur(votes, (0, 0), sigma)[strand]
+    labels = np.zeros(strand.shape, np.int32)
+    labels[strand] = tally.argmax(axis=0) + 1
     return labels

@@ -19,7 +19,7 @@ import cv2
 import numpy as np
 
 from imaging.errors import Unmeasurable
-from imaging.palette import colour_features, find_colours, vote
+from imaging.palette import colour_features, find_colours, unmixed, vote
 from imaging.photo import Photo
 
 EDGE = 0.5  # fraction of the strand's contrast that marks its edge
@@ -72,10 +72,12 @@ def segment(photo: Photo) -> Segmentation:
     background = background_of(lab, ignore)
     coverage, width = _coverage(photo.source, lab, background, ignore)
     strand = coverage > EDGE
-    features = colour_features(lab, background)
-    ridge = _ridge(strand, 0.35 * width)
-    centres, colours = find_colours(features, lab, ridge, width)
-    labels = vote(features, coverage, strand, centres, width)
+    covered, ground = coverage[strand], background[strand]
+    pure = unmixed(lab[strand], ground, covered)
+    features = colour_features(pure, ground)
+    middle = _ridge(strand, 0.35 * width)[strand]
+    centres, colours = find_colours(features[middle], pure[middle], width)
+    labels = vote(features, strand, centres, width, covered**4)
     return Segmentation(labels, _membership(labels, coverage, len(colours)), colours, width)
 
 
@@ -165,10 +167,10 @@ def _ridge(mask: np.ndarray, least: float) -> np.ndarray:
 
 
 def _typical_width(mask: np.ndarray) -> float:
-    """Twice the median depth of the medial axis [px]."""
+    """Twice the median depth of the medial axis, less the half pixel on either side [px]."""
     depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
     ridge = _ridge(mask, 1.2)
-    return float(2 * np.median(depth[ridge])) if ridge.any() else 2.0
+    return max(float(2 * np.median(depth[ridge])) - 1, 1.5) if ridge.any() else 1.5
 
 
 def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:

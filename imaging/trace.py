@@ -17,6 +17,7 @@ from imaging.photo import Photo
 from imaging.segment import Segmentation
 
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
+BOTH = 3.0  # strand widths on which both edges must be seen; else it is the rim of another
 SHARE = 0.15  # of the longest strand of the same colour; a shorter piece is a remnant
 
 
@@ -31,6 +32,8 @@ class Strand:
         at integer coordinates, x right, y down [px].
     width, sd : (n,) arrays
         Local width, and standard deviation of the centreline across the strand [px].
+    edges : (n,) int array
+        How many of the strand's two edges are seen at each point: 0 = hidden, 1, 2.
     colour : int
         Index into the segmentation's colours.
     ends : (str, str)
@@ -40,6 +43,7 @@ class Strand:
     line: np.ndarray
     width: np.ndarray
     sd: np.ndarray
+    edges: np.ndarray
     colour: int
     ends: tuple[str, str]
 
@@ -72,12 +76,23 @@ def _strands_of(
     width = segmentation.width
     own = segmentation.membership[colour]
     mask = segmentation.labels == colour + 1
-    paths = branches(mask, width)
+    paths = [_centred(path, own, coverage, width) for path in branches(mask, width)]
     ends = ends_of(paths, width)
-    found = chains(len(paths), join(ends, covered, width))
+    lengths = np.repeat([arclength(path)[-1] for path in paths], 2)
+    found = chains(len(paths), join(ends, lengths, covered, width))
     lines = [_connected(walk, paths, ends) for walk in found]
-    lines = _long_enough(lines, width)
-    return [_strand(line, own, coverage, segmentation.labels, width, colour) for line in lines]
+    strands = [
+        _strand(line, own, coverage, segmentation.labels, width, colour)
+        for line in _long_enough(lines, width)
+    ]
+    return [strand for strand in strands if (strand.edges == 2).sum() > BOTH * width]
+
+
+def _centred(
+    path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: float
+) -> np.ndarray:
+    """Skeleton -> middle of the strand; a skeleton leans away from whatever hides a side."""
+    return refine(path, own, coverage, width).line if len(path) > 1.5 * width else path
 
 
 def _connected(
@@ -112,9 +127,9 @@ def _strand(
     if line[0, 1] > line[-1, 1]:
         line = line[::-1]
     line = _extended(_extended(line, own, width)[::-1], own, width)[::-1]
-    smooth, local, sd = refine(line, own, coverage, width)
-    ends = (_kind(smooth[::-1], labels, colour, width), _kind(smooth, labels, colour, width))
-    return Strand(smooth, local, sd, colour, ends)
+    fine = refine(line, own, coverage, width)
+    ends = (_kind(fine.line[::-1], labels, colour, width), _kind(fine.line, labels, colour, width))
+    return Strand(*fine, colour, ends)
 
 
 def _extended(line: np.ndarray, own: np.ndarray, width: float) -> np.ndarray:
