@@ -5,7 +5,7 @@ from instron.errors import RigError, Unreadable, Unscalable
 from instron.events import events
 from instron.love import love_force, theory_curve, wrench
 from instron.read import read
-from instron.repeats import Repeats, repeats
+from instron.repeats import Repeats, on_grid, repeats
 from instron.rig import Rig, load_rig
 from instron.scale import noise_of, scale, work
 
@@ -19,6 +19,7 @@ __all__ = [
     "load_rig",
     "love_force",
     "noise_of",
+    "on_grid",
     "read",
     "repeats",
     "scale",

@@ -41,7 +41,9 @@ def write_bluehill(
     lines = [f"{key},{_quoted(value)}" for key, value in (metadata or {}).items()]
     lines += [""] if lines else []
     lines += [",".join(TITLES.values()), ",".join(f"({unit})" for unit in units.values())]
-    rows = table.to_csv(header=False, index=False, float_format=f"%.{decimals}f", lineterminator="\r\n")
+    rows = table.to_csv(
+        header=False, index=False, float_format=f"%.{decimals}f", lineterminator="\r\n"
+    )
     _replace(path, "".join(line + "\r\n" for line in lines) + rows)
     return path
 

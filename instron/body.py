@@ -187,7 +187,9 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
             break
         _refuse_damaged(source, number, cells, used)
         return rows, number, []
-    return *_without_cut_row(source, header, rows, delimiter), _notes(source, header, rows, delimiter)
+    return *_without_cut_row(source, header, rows, delimiter), _notes(
+        source, header, rows, delimiter
+    )
 
 
 def _refuse_wide(source: Source, number: int, found: int, width: int) -> None:
@@ -267,4 +269,3 @@ def _exact(source: Source, header: Header, rows: list[int], delimiter: str) -> B
             raise Unreadable(f"{source.path}: line {line}: {error}") from None
         body.thousands |= grouped
     return body
-

@@ -40,7 +40,9 @@ class Header:
 def split_cells(line: str, delimiter: str) -> list[str]:
     """Split a line into cells, minding quotes."""
     if delimiter == "spaces":
-        return re.split(r"\s+" if not re.search(r"[^\W\d_]{2}", line) else r"\s{2,}|\t", line.strip())
+        return re.split(
+            r"\s+" if not re.search(r"[^\W\d_]{2}", line) else r"\s{2,}|\t", line.strip()
+        )
     if '"' not in line:
         return [cell.strip() for cell in line.split(delimiter)]
     cells = re.findall(rf'\s*("(?:[^"]|"")*"|[^{re.escape(delimiter)}]*)(?:{re.escape(delimiter)}|$)',
@@ -85,9 +87,7 @@ def is_row(cells: list[str], used: list[int]) -> bool:
     return len(filled) >= 2 and all(looks_numeric(cell) for cell in filled)
 
 
-def _units_row(
-    lines: list[str], number: int, delimiter: str
-) -> tuple[list[str] | None, int]:
+def _units_row(lines: list[str], number: int, delimiter: str) -> tuple[list[str] | None, int]:
     """Return the cells of the units row, if there is one, and the line after it."""
     number = _skip_blank(lines, number)
     if number >= len(lines):
@@ -106,9 +106,7 @@ def _skip_blank(lines: list[str], number: int) -> int:
     return number
 
 
-def find_specimens(
-    names: list[str], units: list[str] | None
-) -> tuple[list[Specimen], list[str]]:
+def find_specimens(names: list[str], units: list[str] | None) -> tuple[list[Specimen], list[str]]:
     """Return the columns of each specimen that a header names, and the choices made.
 
     Where the best force name repeats, specimens stand side by side, each with its own columns; a
@@ -179,7 +177,9 @@ def _from_units_alone(names: list[str]) -> tuple[list[Specimen], list[str]]:
         if unit and unit[0] in specimen:
             return [], []
         if unit:
-            specimen[unit[0]] = Channel(index, names[index].strip("()[]"), names[index].strip("()[]"))
+            specimen[unit[0]] = Channel(
+                index, names[index].strip("()[]"), names[index].strip("()[]")
+            )
     if {"force", "displacement"} <= specimen.keys():
         return [specimen], ["no column names: columns taken by their units"]
     return [], []

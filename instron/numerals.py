@@ -13,7 +13,9 @@ import pandas as pd
 SPACES = " \u00a0\u202f\u2009\u2007"
 _EXPONENT = r"(?:[eE][-+]?\d+)?"
 _LOOKS = re.compile(rf"\s*[-+\u2212]?(?:\d[\d.,'\u2019{SPACES}]*|[.,]\d+){_EXPONENT}\s*")
-_PLAIN = {mark: re.compile(rf"[-+]?(?:\d+(?:[{mark}]\d*)?|[{mark}]\d+){_EXPONENT}") for mark in ".,"}
+_PLAIN = {
+    mark: re.compile(rf"[-+]?(?:\d+(?:[{mark}]\d*)?|[{mark}]\d+){_EXPONENT}") for mark in ".,"
+}
 _GROUPED = {
     mark: re.compile(rf"[-+]?[1-9]\d{{0,2}}(?P<sep>[,.'\u2019{SPACES}])\d{{3}}(?:(?P=sep)\d{{3}})*"
                      rf"(?P<tail>[{mark}]\d*)?{_EXPONENT}")

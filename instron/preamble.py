@@ -101,7 +101,9 @@ def _below(lines: list[str], number: int, index: int, delimiter: str) -> list[St
         cell = cells[index] if index < len(cells) else ""
         if offset == 1 and unit_of(cell):
             unit = cell
-        elif looks_numeric(cell) and not re.match(r"(?i)\s*\"?(mean|sd|std|stand|cv|min|max)", line):
+        elif looks_numeric(cell) and not re.match(
+            r"(?i)\s*\"?(mean|sd|std|stand|cv|min|max)", line
+        ):
             value = _number(cell)
             if value is not None:
                 found.append(StatedMaximum(value, unit, number + offset, "maximum load"))

@@ -237,9 +237,13 @@ def _check_together(source: Source, tables: list[pd.DataFrame], stated: list) ->
     for number, (table, found) in enumerate(zip(tables, notes, strict=True)):
         table.attrs["warnings"] += found + mixed
         if len(stated) == len(tables):
-            table.attrs["stated"] = {"maximum load": f"{stated[number].value:g} {stated[number].unit or ''}".strip()}
+            table.attrs["stated"] = {
+                "maximum load": f"{stated[number].value:g} {stated[number].unit or ''}".strip()
+            }
         elif stated:
-            table.attrs["stated"] = {"maximum load": [f"{s.value:g} {s.unit or ''}".strip() for s in stated]}
+            table.attrs["stated"] = {
+                "maximum load": [f"{s.value:g} {s.unit or ''}".strip() for s in stated]
+            }
 
 
 __all__ = ["SI", "read"]

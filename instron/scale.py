@@ -42,10 +42,12 @@ def scale(log: pd.DataFrame, rig: Rig) -> pd.DataFrame:
     Unscalable
         When the crosshead does not move or no force stands out of the noise.
     """
-    d, F, sign = _stroke(log, rig)
+    d, F, direction = _stroke(log)
     noise = noise_of(F)
     zero = _zero(F, noise, rig)
-    F = sign.force * (F - zero.level)
+    F = F - zero.level
+    sign = rig.force_sign or (1 if F.max() >= -F.min() else -1)
+    F = sign * F
     d = d - rig.compliance * F
     d = d - (_toe(d, F) if rig.toe == "tangent" else d[0])
     ends = _ends(d, F, noise, rig, _name(log))
@@ -55,7 +57,7 @@ def scale(log: pd.DataFrame, rig: Rig) -> pd.DataFrame:
     curve.attrs["rules"] = {
         "zero": zero.rule,
         "zero_force": float(np.mean(zero.level)),
-        "direction": sign.text,
+        "direction": f"{direction}, force x {sign:+d}",
         "end": f"force stays below {ends.threshold:.3g} N ({ends.rule})",
         "compliance": rig.compliance,
         "toe": rig.toe,
@@ -86,12 +88,6 @@ def work(curve: pd.DataFrame) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class _Sign:
-    force: float
-    text: str
-
-
-@dataclass(frozen=True)
 class _Zero:
     level: np.ndarray | float
     rule: str
@@ -112,23 +108,20 @@ def _name(log: pd.DataFrame) -> str:
     return str(log.attrs.get("specimen", log.attrs.get("source", "force log")))
 
 
-def _stroke(log: pd.DataFrame, rig: Rig) -> tuple[np.ndarray, np.ndarray, _Sign]:
-    """Return displacement (growing outward) and force of the outward stroke, and the sign."""
+def _stroke(log: pd.DataFrame) -> tuple[np.ndarray, np.ndarray, str]:
+    """Return displacement (growing outward) and force up to the farthest position."""
     d = log["displacement"].to_numpy(dtype=float)
     F = log["force"].to_numpy(dtype=float)
     good = np.isfinite(d) & np.isfinite(F)
     d, F = d[good], F[good]
     if len(d) < 5 or np.ptp(d) == 0:
         raise Unscalable(f"{_name(log)}: the crosshead does not move in {len(d)} rows")
-    outward = 1.0 if d.max() - d[0] >= d[0] - d.min() else -1.0
+    outward = 1 if d.max() - d[0] >= d[0] - d.min() else -1
     d = outward * d
     last = len(d) - int(np.argmax(d[::-1]))
-    d, F = d[:last], F[:last]
-    middle = float(np.median(F[-max(3, len(F) // 20) :]))
-    found = 1.0 if F.max() - middle >= middle - F.min() else -1.0
-    sign = float(rig.force_sign) or found
-    text = f"displacement x {outward:+.0f}, force x {sign:+.0f}, {last} of {len(good)} rows"
-    return d, F, _Sign(sign, text)
+    if last < 5:
+        raise Unscalable(f"{_name(log)}: the crosshead only returns; no outward stroke")
+    return d[:last], F[:last], f"displacement x {outward:+d}, {last} of {len(good)} rows"
 
 
 def _zero(F: np.ndarray, noise: float, rig: Rig) -> _Zero:
@@ -171,7 +164,9 @@ def _ends(d: np.ndarray, F: np.ndarray, noise: float, rig: Rig, name: str) -> _E
     by_noise = rig.end_sigma * noise > rig.end_fraction * peak
     rule = f"{rig.end_sigma:g} x noise" if by_noise else f"{rig.end_fraction:.0%} of the peak"
     threshold = max(rig.end_sigma * noise, rig.end_fraction * peak)
-    D, low, high = (_last_above(d, F, k * threshold) for k in (1.0, 2.0, 0.5))
+    # Half the threshold, but not so low that noise itself crosses it.
+    lower = max(0.5 * threshold, min(4.0, rig.end_sigma) * noise)
+    D, low, high = (_last_above(d, F, level) for level in (threshold, 2 * threshold, lower))
     if D <= 0:
         raise Unscalable(f"{name}: the force is above {threshold:.3g} N only at the start")
     notes = []

@@ -46,7 +46,19 @@ OTHER_THINGS = set(
     " ratio average mean std sd target setpoint command limit stiffness toughness creep"
     " odksztalcenie naprezenie start end date hold preload threshold".split()
 )
-OTHER_PIECES = ("应变", "应力", "速度", "歪", "応力", "ひずみ", "最大", "強度", "强度", "率", "面积")
+OTHER_PIECES = (
+    "应变",
+    "应力",
+    "速度",
+    "歪",
+    "応力",
+    "ひずみ",
+    "最大",
+    "強度",
+    "强度",
+    "率",
+    "面积",
+)
 
 CROSSHEAD = set(
     "machine crosshead traverse traversenweg standardweg stroke course actuator maschinenweg"

@@ -1,0 +1,302 @@
+"""``combing force``: exports of a testing machine to f(x), repeats, events, and a figure."""
+
+import html
+import json
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import click
+import pandas as pd
+from tqdm import tqdm
+
+import instron
+from combing.errors import UserError
+
+SUFFIXES = {".csv", ".txt", ".tra", ".dat", ".tsv"}
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--rig", "rig_file", type=click.Path(path_type=Path), help="Rig TOML: r and E, or B.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Folder for the results.")
+@click.option("--active-length", type=float, help="Natural height [m] of the helix that Love's "
+              "curve stretches; without it no theory is drawn.")  # fmt: skip
+@click.option("--ends", type=click.Choice(["free", "blocked"]), default="free", show_default=True,
+              help="Whether the ends of Love's helix may turn.")  # fmt: skip
+@click.option("--columns", help="For a file without header: e.g. time,displacement,force.")
+@click.option("--units", help="Units that a file does not state: e.g. force=lbf,displacement=in.")
+@click.option("--explain", is_flag=True, help="Only say what was understood of each file.")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+@click.option("--quiet", is_flag=True, help="No progress, no warnings.")
+def command(
+    files: tuple[Path, ...],
+    rig_file: Path | None,
+    output: Path | None,
+    active_length: float | None,
+    ends: str,
+    columns: str | None,
+    units: str | None,
+    explain: bool,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Turn force logs into scaled curves f(x), with repeats, events and Love's curve.
+
+    FILES are exports (CSV, TXT, TRA, DAT) or folders of them; each specimen is one repeat.
+
+    \b
+    Example:
+      combing force run1.csv run2.csv run3.csv --rig rig.toml -o out/
+      combing force --explain run1.csv
+    where rig.toml holds, say:
+      r = 4.25e-4   # filament radius [m]
+      E = 2.8e9     # Young's modulus [Pa]
+    """
+    logs = _read_all(_expand(files), columns, units, quiet or explain)
+    if explain:
+        click.echo(json.dumps([_plain(log.attrs) for log in logs], indent=1) if as_json
+                   else "\n\n".join(map(explanation, logs)))  # fmt: skip
+        return
+    if rig_file is None:
+        raise UserError("--rig is missing: f = l0^2 F/B needs the filament (r and E, or B)")
+    rig = instron.load_rig(rig_file)
+    curves = [instron.scale(log, rig) for log in logs]
+    theory = _theory(rig, curves, active_length, ends)
+    if not quiet:
+        _warn(curves)
+    result = _combine(curves)
+    if output is not None:
+        _write(output, curves, result, theory)
+    click.echo(_as_json(curves, result) if as_json else _summary_text(curves, result, output))
+
+
+def explanation(log: pd.DataFrame) -> str:
+    """Return about ten lines on what was understood of one specimen of a file."""
+    facts, dialect = log.attrs, log.attrs["dialect"]
+    thousands = "grouped thousands" if dialect["thousands"] else "no grouped thousands"
+    lines = [
+        f"{facts['source']}",
+        f"  specimen   {facts['specimen']}",
+        f"  text       {dialect['encoding']}, {dialect['newline']}, delimiter"
+        f" '{dialect['delimiter']}', decimal '{dialect['decimal']}', {thousands}",
+        f"  header     line {dialect['header_line']}, data from line {dialect['first_row']},"
+        f" {len(log)} rows, {len(facts['metadata'])} metadata lines",
+    ]
+    lines += [_column_line(log, quantity) for quantity in ("time", "displacement", "force")]
+    lines.append(f"  stated     {facts['stated'] or 'no maximum load to check against'}")
+    lines += [f"  choice     {note}" for note in facts["choices"]]
+    lines += [f"  warning    {note}" for note in facts["warnings"]] or ["  checks     all passed"]
+    return "\n".join(lines)
+
+
+def _column_line(log: pd.DataFrame, quantity: str) -> str:
+    column = log.attrs["columns"].get(quantity)
+    if column is None:
+        return f"  {quantity:<12} absent"
+    unit = {"time": "s", "displacement": "m", "force": "N"}[quantity]
+    values = log[quantity]
+    return (
+        f"  {quantity:<12} column {column['index'] + 1} '{column['name']}' in {column['unit']}:"
+        f" {values.min():.6g} to {values.max():.6g} {unit}"
+    )
+
+
+def _expand(files: tuple[Path, ...]) -> list[Path]:
+    """Replace folders by the exports in them."""
+    found: list[Path] = []
+    for path in files:
+        if path.is_dir():
+            inside = sorted(p for p in path.iterdir() if p.suffix.lower() in SUFFIXES)
+            if not inside:
+                raise UserError(
+                    f"{path}: no exports ({', '.join(sorted(SUFFIXES))}) in this folder"
+                )
+            found += inside
+        elif not path.exists():
+            raise UserError(f"{path}: no such file")
+        else:
+            found.append(path)
+    return found
+
+
+def _read_all(
+    files: list[Path], columns: str | None, units: str | None, quiet: bool
+) -> list[pd.DataFrame]:
+    told = dict(_pair(part) for part in units.split(",")) if units else None
+    names = [name.strip() for name in columns.split(",")] if columns else None
+    progress = tqdm(files, desc="reading", unit="file", disable=quiet or len(files) < 20)
+    return [log for path in progress for log in instron.read(path, columns=names, units=told)]
+
+
+def _pair(text: str) -> tuple[str, str]:
+    quantity, _, unit = text.partition("=")
+    if quantity.strip() not in ("time", "displacement", "force") or not unit:
+        raise UserError(f"--units {text!r}: write it as force=lbf,displacement=in,time=min")
+    return quantity.strip(), unit.strip()
+
+
+def _theory(
+    rig: instron.Rig, curves: list[pd.DataFrame], active_length: float | None, ends: str
+) -> pd.DataFrame | None:
+    """Return Love's curve over the mean D, cut a little above the measured forces."""
+    if active_length is None:
+        return None
+    D = sum(c.attrs["D"] for c in curves) / len(curves)
+    top = 1.5 * max(c.attrs["f_max"] for c in curves)
+    return instron.theory_curve(rig, active_length, D, ends=ends, f_limit=top)  # type: ignore[arg-type]
+
+
+def _combine(curves: list[pd.DataFrame]) -> instron.Repeats | None:
+    return instron.repeats(curves) if len(curves) > 1 else None
+
+
+def _warn(curves: list[pd.DataFrame]) -> None:
+    for curve in curves:
+        for note in curve.attrs["warnings"]:
+            click.echo(f"combing: {curve.attrs.get('source', '')}: {note}", err=True)
+
+
+def _summary_text(
+    curves: list[pd.DataFrame], result: instron.Repeats | None, output: Path | None
+) -> str:
+    table = _per_repeat(curves, result)
+    text = table.to_string(index=False, float_format=lambda v: f"{v:.5g}")
+    if result is not None:
+        text += "\n\nover the repeats (interval of the mean at 95 %)\n"
+        text += result.summary.to_string(float_format=lambda v: f"{v:.5g}")
+        if result.registered is None:
+            text += f"\nno registered mean: {result.unregistered_because}"
+    return text + (f"\nwritten to {output}" if output else "")
+
+
+def _per_repeat(curves: list[pd.DataFrame], result: instron.Repeats | None) -> pd.DataFrame:
+    if result is not None:
+        return result.table
+    facts = curves[0].attrs
+    keys = ["specimen", "f_max", "w", "W", "D"]
+    return pd.DataFrame([{key: facts.get(key) for key in keys}])
+
+
+def _as_json(curves: list[pd.DataFrame], result: instron.Repeats | None) -> str:
+    keys = ("source", "specimen", "D", "D_low", "D_high", "B", "noise", "f_noise", "f_relative",
+            "f_max", "w", "W", "rules", "warnings")  # fmt: skip
+    found: dict[str, Any] = {"curves": [{k: c.attrs.get(k) for k in keys} for c in curves]}
+    if result is not None:
+        found["repeats"] = result.table.to_dict("records")
+        found["summary"] = result.summary.to_dict("index")
+        found["representative"] = result.representative
+        found["unregistered_because"] = result.unregistered_because
+    return json.dumps(_plain(found), indent=1)
+
+
+def _plain(value: Any) -> Any:
+    """Return the value as JSON knows it; NaN becomes null."""
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    if hasattr(value, "item"):
+        value = value.item()
+    return None if isinstance(value, float) and value != value else value
+
+
+def _write(
+    output: Path,
+    curves: list[pd.DataFrame],
+    result: instron.Repeats | None,
+    theory: pd.DataFrame | None,
+) -> None:
+    """Write all results into a temporary folder first, so that none stays half-written."""
+    if output.exists() and not output.is_dir():
+        raise UserError(f"{output}: is a file; -o wants a folder")
+    output.parent.mkdir(parents=True, exist_ok=True)
+    room = Path(tempfile.mkdtemp(prefix=".force-", dir=output.parent))
+    try:
+        _write_tables(room, curves, result, theory)
+        draw(curves, result, theory, room / "force")
+        _write_section(room, curves, result)
+        output.mkdir(exist_ok=True)
+        for path in room.iterdir():
+            path.replace(output / path.name)
+    finally:
+        shutil.rmtree(room, ignore_errors=True)
+
+
+def _write_tables(
+    room: Path,
+    curves: list[pd.DataFrame],
+    result: instron.Repeats | None,
+    theory: pd.DataFrame | None,
+) -> None:
+    _tidy(curves).to_csv(room / "curves.csv", index=False)
+    _tidy([_tagged(instron.events(c), c) for c in curves]).to_csv(room / "events.csv", index=False)
+    _per_repeat(curves, result).to_csv(room / "repeats.csv", index=False)
+    if result is not None:
+        result.grid.to_csv(room / "mean.csv", index=False)
+        result.summary.to_csv(room / "summary.csv", index_label="quantity")
+        if result.registered is not None:
+            result.registered.to_csv(room / "mean_registered.csv", index=False)
+    if theory is not None:
+        theory.to_csv(room / "theory.csv", index=False)
+
+
+def _tagged(found: pd.DataFrame, curve: pd.DataFrame) -> pd.DataFrame:
+    found.attrs["specimen"] = curve.attrs.get("specimen", "")
+    return found
+
+
+def _tidy(tables: list[pd.DataFrame]) -> pd.DataFrame:
+    """Stack tables with the repeat's number and name in front."""
+    parts = []
+    for number, table in enumerate(tables, start=1):
+        part = pd.DataFrame({"repeat": number, "specimen": table.attrs.get("specimen", "")},
+                            index=table.index)  # fmt: skip
+        parts.append(pd.concat([part, pd.DataFrame(table.to_dict("series"))], axis=1))
+    return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
+
+
+def draw(
+    curves: list[pd.DataFrame],
+    result: instron.Repeats | None,
+    theory: pd.DataFrame | None,
+    stem: Path,
+) -> None:
+    """Draw mean +- sd as a grey band, the representative in black, theory dashed (PNG and SVG)."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(4.2, 3.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    shown = curves[result.representative if result else 0]
+    if result is not None:
+        grid = result.grid
+        axes.fill_between(grid["x"], grid["mean"] - grid["sd"], grid["mean"] + grid["sd"],
+                          color="0.8", lw=0, label=f"mean ± sd of {len(curves)}")  # fmt: skip
+        axes.plot(grid["x"], grid["mean"], color="0.55", lw=1)
+    inside = shown[(shown["x"] >= 0) & (shown["x"] <= 1.02)]
+    axes.plot(inside["x"], inside["f"], color="k", lw=0.8, label=shown.attrs.get("specimen"))
+    if theory is not None:
+        axes.plot(theory["x"], theory["f"], "k--", lw=1, label="one helix stretched (Love)")
+    axes.set(xlabel="$x = d/D$", ylabel="$f = l_0^2 F/B$", xlim=(0, 1))
+    axes.set_ylim(bottom=min(0, float(inside["f"].min())))
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, fontsize=8)
+    figure.savefig(stem.with_suffix(".png"), dpi=200)
+    figure.savefig(stem.with_suffix(".svg"))
+
+
+def _write_section(room: Path, curves: list[pd.DataFrame], result: instron.Repeats | None) -> None:
+    """Write a section for a report: figure inline, tables, and every warning."""
+    svg = (room / "force.svg").read_text(encoding="utf-8")
+    table = _per_repeat(curves, result).to_html(index=False, float_format="%.5g", border=0)
+    summary = result.summary.to_html(float_format="%.5g", border=0) if result else ""
+    notes = [
+        f"{c.attrs.get('specimen', '')}: {note}" for c in curves for note in c.attrs["warnings"]
+    ]
+    items = "".join(f"<li>{html.escape(note)}</li>" for note in notes)
+    parts = ['<section id="force">', "<h2>Force of combing</h2>", svg[svg.index("<svg") :], table,
+             summary, f"<ul>{items}</ul>" if items else "", "</section>"]  # fmt: skip
+    (room / "section.html").write_text("\n".join(filter(None, parts)) + "\n", encoding="utf-8")
