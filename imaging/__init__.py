@@ -4,8 +4,23 @@ Functions bear the names of the rooms they live in (``imaging.segment`` is the f
 are imported here, once, after their modules.
 """
 
+from imaging.crossings import crossings
 from imaging.errors import Unmeasurable
+from imaging.interactions import densities, events, interactions
 from imaging.photo import Photo, read_photo
 from imaging.segment import Segmentation, segment
+from imaging.trace import Strand, trace
 
-__all__ = ["Photo", "Segmentation", "Unmeasurable", "read_photo", "segment"]
+__all__ = [
+    "Photo",
+    "Segmentation",
+    "Strand",
+    "Unmeasurable",
+    "crossings",
+    "densities",
+    "events",
+    "interactions",
+    "read_photo",
+    "segment",
+    "trace",
+]

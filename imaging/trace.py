@@ -88,9 +88,7 @@ def _strands_of(
     return [strand for strand in strands if (strand.edges == 2).sum() > BOTH * width]
 
 
-def _centred(
-    path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: float
-) -> np.ndarray:
+def _centred(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: float) -> np.ndarray:
     """Skeleton -> middle of the strand; a skeleton leans away from whatever hides a side."""
     return refine(path, own, coverage, width).line if len(path) > 1.5 * width else path
 
@@ -103,7 +101,9 @@ def _connected(
     for step, (branch, reverse) in enumerate(walk):
         if step:
             before, was_reverse = walk[step - 1]
-            parts.append(bridge(ends[2 * before + (not was_reverse)], ends[2 * branch + reverse])[1:-1])
+            parts.append(
+                bridge(ends[2 * before + (not was_reverse)], ends[2 * branch + reverse])[1:-1]
+            )
         parts.append(paths[branch][::-1] if reverse else paths[branch])
     return np.concatenate(parts)
 
