@@ -98,7 +98,7 @@ def _intersections(lines: list[np.ndarray]) -> pd.DataFrame:
 def _segment_pairs(
     start: np.ndarray, step: np.ndarray, owner: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Indices i < j of segments that intersect, and how far along each (0 <= u, v < 1)."""
+    """Find indices i < j of segments that intersect, and how far along each (0 <= u, v < 1)."""
     if len(start) < 2:
         return np.empty(0, int), np.empty(0, int), np.empty(0), np.empty(0)
     # Segments of one length class at a time would be quicker for wildly uneven polylines.

@@ -85,7 +85,7 @@ def _checked(strands: Sequence[Strand | np.ndarray], n_sec: int) -> list[np.ndar
 
 
 def curl_axis(lines: list[np.ndarray]) -> np.ndarray:
-    """Unit vector along which the strands run: mean root-to-tip direction.
+    """Return the unit vector along which the strands run: mean root-to-tip direction.
 
     Where the directions cancel (strands that run both ways) it is the principal direction of all
     points, pointing down the picture.

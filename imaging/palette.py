@@ -84,9 +84,9 @@ def _modes(density: np.ndarray) -> np.ndarray:
     """
     order = np.argsort(density, axis=None)[::-1]
     order = order[density.ravel()[order] > 1e-3 * density.max()]  # never the rim
-    parent = np.full(density.size, -1)
-    value = density.ravel()
-    steps = _neighbour_steps(density.shape)
+    parent = [-1] * density.size
+    value = density.ravel().tolist()
+    steps = _neighbour_steps(density.shape).tolist()
 
     def root(cell: int) -> int:
         while parent[cell] != cell:
@@ -95,7 +95,7 @@ def _modes(density: np.ndarray) -> np.ndarray:
         return cell
 
     for cell in order.tolist():
-        hills = {root(n) for n in (cell + steps).tolist() if parent[n] >= 0}
+        hills = {root(n) for n in (cell + step for step in steps) if parent[n] >= 0}
         if not hills:
             parent[cell] = cell
             continue
@@ -104,7 +104,9 @@ def _modes(density: np.ndarray) -> np.ndarray:
         for hill in hills - {highest}:
             if value[hill] - value[cell] < PROMINENCE * value[hill]:
                 parent[hill] = highest
-    roots = np.array([root(c) if parent[c] >= 0 else -1 for c in range(density.size)])
+    roots = np.full(density.size, -1)
+    visited = order.tolist()
+    roots[visited] = [root(cell) for cell in visited]
     _, numbered = np.unique(roots, return_inverse=True)
     return numbered.reshape(density.shape) - int(roots.min() < 0)
 

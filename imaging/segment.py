@@ -84,7 +84,7 @@ def segment(photo: Photo) -> Segmentation:
 def background_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> np.ndarray:
     """Return the smooth background under a Lab picture, shape (h, w, 3)."""
     height, width = lab.shape[:2]
-    step = max(1, min(height, width) // 160)
+    step = max(1, min(height, width) // 100)
     small = cv2.resize(lab, (width // step, height // step), interpolation=cv2.INTER_AREA)
     weight = np.ones(small.shape[:2], np.float32)
     if ignore is not None:
@@ -103,7 +103,7 @@ def _robust_quadratic(small: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray
     values = small.reshape(-1, 3)
     prior = weight.ravel()
     surface = np.broadcast_to(_mode_colour(values[prior > 0]), values.shape)
-    for _ in range(12):
+    for _ in range(8):
         distance = np.linalg.norm(values - surface, axis=1)
         scale = max(4.7 * 1.5 * float(np.median(distance[prior > 0])), 3.0)
         robust = prior * np.clip(1 - (distance / scale) ** 2, 0, None) ** 2
@@ -114,9 +114,9 @@ def _robust_quadratic(small: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray
 
 def _mode_colour(values: np.ndarray) -> np.ndarray:
     """Most common colour: the fullest cell of a coarse Lab grid, averaged."""
-    cell = np.floor(values / 8).astype(int)
-    _, which, count = np.unique(cell, axis=0, return_inverse=True, return_counts=True)
-    return np.median(values[which.ravel() == count.argmax()], axis=0)
+    cell = np.floor(values / 8).astype(int) + 32
+    number = np.ravel_multi_index(tuple(cell.T), (64, 64, 64))
+    return np.median(values[number == np.bincount(number).argmax()], axis=0)
 
 
 def _local_mean(rest: np.ndarray, weight: np.ndarray, sigma: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Pictures of strands whose truth is known: shaded tubes, over and under, blur, noise, uneven light.
+"""Pictures of strands with known truth: shaded tubes, over and under, blur, noise, uneven light.
 
 A flat stand-in for a photograph, to test the measurement against. Each strand is a tube lit from
 one side, with its own height above the picture plane; the highest surface wins in every

@@ -146,7 +146,7 @@ def _extended(line: np.ndarray, own: np.ndarray, width: float) -> np.ndarray:
 
 
 def _kind(line: np.ndarray, labels: np.ndarray, colour: int, width: float) -> str:
-    """What the last point of a line is: clipped, hidden, or free."""
+    """Tell what the last point of a line is: clipped, hidden, or free."""
     height, across = labels.shape
     x, y = line[-1]
     if min(x, y, across - 1 - x, height - 1 - y) < width:
