@@ -2,8 +2,6 @@
 
 import numpy as np
 import pandas as pd
-from scipy.ndimage import gaussian_filter1d
-from scipy.signal import find_peaks, peak_widths
 
 COLUMNS = ["kind", "x", "f", "d", "F", "prominence", "width", "drop", "release_x"]
 FLAT = 0.15  # a plateau's slope, in units of f_max per D
@@ -38,6 +36,8 @@ def events(
         ``prominence`` (f), ``width`` (x, at half prominence; a plateau's length), ``drop`` (f lost
         until the next valley) and ``release_x`` (steepest fall). ``attrs``: ``threshold`` (f).
     """
+    from scipy.ndimage import gaussian_filter1d
+
     x, f = _even(curve)
     smooth = gaussian_filter1d(f, width / (x[1] - x[0]), mode="nearest")
     left = _noise_left(curve, width)
@@ -76,6 +76,9 @@ def _noise_left(curve: pd.DataFrame, width: float) -> float:
 
 def _peaks(x: np.ndarray, f: np.ndarray, threshold: float) -> list[list]:
     """Return the peaks; padding lets a peak count that stands at the end of the record."""
+    # Imported late: scipy.signal takes longer to import than most files to read.
+    from scipy.signal import find_peaks, peak_widths
+
     padded = np.concatenate([[f.min()], f, [f.min()]])
     tops, found = find_peaks(padded, prominence=max(threshold, 1e-300))
     widths = peak_widths(padded, tops, 0.5)[0] * (x[1] - x[0])
@@ -95,6 +98,8 @@ def _peaks(x: np.ndarray, f: np.ndarray, threshold: float) -> list[list]:
 
 def _plateaus(x: np.ndarray, f: np.ndarray, width: float, noise: float) -> list[list]:
     """Return the stretches, at least ten smoothing lengths long, in which a high force is flat."""
+    from scipy.ndimage import gaussian_filter1d
+
     slope = np.gradient(gaussian_filter1d(f, 2 * width / (x[1] - x[0]), mode="nearest"), x)
     high = max(0.2 * float(f.max()), 7 * noise)
     flat = (np.abs(slope) < FLAT * f.max()) & (f > high)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from instron.errors import Unscalable
 from instron.events import events
@@ -166,7 +166,7 @@ def _summary(table: pd.DataFrame, level: float) -> pd.DataFrame:
     numbers = table.drop(columns="specimen")
     n = len(numbers)
     mean, sd = numbers.mean(), numbers.std(ddof=1)
-    half = sd / np.sqrt(n) * student.ppf((1 + level) / 2, n - 1)
+    half = sd / np.sqrt(n) * stdtrit(n - 1, (1 + level) / 2)
     return pd.DataFrame({"mean": mean, "sd": sd, "low": mean - half, "high": mean + half})
 
 

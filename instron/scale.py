@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.integrate import trapezoid
 
 from instron.errors import Unscalable
 from instron.rig import Rig
@@ -84,7 +83,13 @@ def work(curve: pd.DataFrame) -> tuple[float, float]:
     """Return ``W = integral F dd`` [J] and ``w = integral f dx``, up to the end of combing."""
     inside = curve["x"].to_numpy() <= 1
     part = curve[inside]
-    return float(trapezoid(part["F"], part["d"])), float(trapezoid(part["f"], part["x"]))
+    return _area(part["F"], part["d"]), _area(part["f"], part["x"])
+
+
+def _area(y: pd.Series, x: pd.Series) -> float:
+    """Return the integral of y over x by the trapezoidal rule."""
+    y, x = y.to_numpy(), x.to_numpy()
+    return float(np.sum(np.diff(x) * (y[1:] + y[:-1])) / 2)
 
 
 @dataclass(frozen=True)

@@ -19,23 +19,23 @@ def table(*rows):
 
 
 def test_a_curve_agrees_with_itself():
-    found = compare_curves(jams(0.3, 0.6), jams(0.3, 0.6))
+    found = compare_curves(jams(0.3, 0.6), jams(0.3, 0.6), iso=True)
     assert found["f_max_error"] == found["work_error"] == found["nrmse"] == 0
     assert found["event_score"] == found["iso18571"] == found["iso_phase"] == 1
 
 
 def test_signs_say_which_is_larger():
     small, large = jams(0.3, height=2.0), jams(0.3, height=4.0)
-    assert compare_curves(small, large, iso=False)["f_max_error"] == pytest.approx(2 / 3, rel=1e-3)
-    assert compare_curves(large, small, iso=False)["f_max_error"] == pytest.approx(-0.4, rel=1e-3)
-    assert compare_curves(large, small, iso=False)["work_error"] < 0
+    assert compare_curves(small, large)["f_max_error"] == pytest.approx(2 / 3, rel=1e-3)
+    assert compare_curves(large, small)["f_max_error"] == pytest.approx(-0.4, rel=1e-3)
+    assert compare_curves(large, small)["work_error"] < 0
 
 
 def test_a_shift_ranks_above_missing_jams_where_mean_absolute_error_does_not():
     true, shifted, none = jams(0.3, 0.6), jams(0.33, 0.63), jams(height=0.0)
     mae = [np.abs(true["f"] - c["f"]).mean() for c in (shifted, none)]
     assert mae[0] > 0.95 * mae[1]
-    by = {name: compare_curves(true, c) for name, c in (("shift", shifted), ("none", none))}
+    by = {name: compare_curves(true, c, iso=True) for name, c in (("shift", shifted), ("none", none))}
     assert by["shift"]["event_score"] == pytest.approx(0.7, abs=0.02)
     assert by["none"]["event_score"] == 0
     assert by["shift"]["iso18571"] > by["none"]["iso18571"]
