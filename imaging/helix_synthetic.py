@@ -145,7 +145,7 @@ def draw_helix(
     axis = bent_axis(s, _values(heading, s, 0.0))
     strands = [tilt_strands(p, tilt) for p in twist_strands(axis, phi, radius)]
     axis = tilt_strands(np.column_stack([axis, np.zeros(len(s))]), tilt)[:, :2]
-    shift, shape = _frame(strands, 4.0 * r)
+    shift, shape = _frame(strands, 16.0 * r)
     strands = [p + [*shift, 0.0] for p in strands]
     axis = axis + shift
     bar = None if tine is None else (float(np.interp(tine[0], s, axis[:, 1])), tine[1])
