@@ -172,7 +172,7 @@ def _walk(
 def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], int, list[str]]:
     """Return the lines of the rows under a header and the line at which they stop."""
     lines, used, rows = source.lines, header.used(), []
-    width = max(header.width, len(header.names))
+    width = len(header.names)
     for number in range(header.first_row, len(lines)):
         line = lines[number]
         if not line.strip(" \t,;|\"'"):
@@ -257,10 +257,10 @@ def _exact(source: Source, header: Header, rows: list[int], delimiter: str) -> B
     }
     body = Body(header, {}, np.array(rows))
     try:
-        filled = (text for column in texts.values() for text in column if text)
-        body.decimal = decimal_mark(filled)
+        body.decimal = decimal_mark([text for column in texts.values() for text in column])
     except Unclear as error:
-        raise Unreadable(f"{source.path}: {error}") from None
+        line = rows[error.position % len(rows)] + 1
+        raise Unreadable(f"{source.path}: line {line}: {error}") from None
     for index, column in texts.items():
         try:
             body.values[index], grouped = to_numbers(column, body.decimal)

@@ -4,7 +4,16 @@ import re
 from dataclasses import dataclass, replace
 
 from instron.numerals import looks_numeric
-from instron.words import QUANTITIES, is_unit, plain, quantity_of, rank, split_unit, unit_of
+from instron.words import (
+    QUANTITIES,
+    is_unit,
+    plain,
+    quantity_of,
+    rank,
+    split_unit,
+    unit_of,
+    unknown_unit,
+)
 
 DELIMITERS = ("\t", ";", ",", "|", "spaces")
 
@@ -131,6 +140,8 @@ def _candidates(names: list[str], units: list[str] | None) -> dict[str, list[Cha
         name, unit = split_unit(cell)
         below = units[index] if units is not None and index < len(units) else ""
         unit = unit or below.strip("()[]<>{} ") or None
+        if unit is None and units is None:
+            unit = unknown_unit(name)
         quantity = quantity_of(name)
         if quantity and _fits(quantity, unit):
             found[quantity].append(Channel(index, name or cell, unit))

@@ -5,7 +5,7 @@ of, and grouping is then checked cell by cell: a wrong guess here scales a force
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -21,6 +21,7 @@ _GROUPED = {
                      rf"(?P<tail>[{mark}]\d*)?{_EXPONENT}")
     for mark in ".,"
 }  # fmt: skip
+_MARK_NAMES = {".": "a decimal point", ",": "a decimal comma"}
 _MARKS = re.compile(r"[.,].*[.,]")
 _WHOLE_MILLIONS = re.compile(r"[-+]?\d{1,3}(?:[,.]\d{3}){2,}")
 
@@ -38,7 +39,7 @@ def looks_numeric(cell: str) -> bool:
     return _LOOKS.fullmatch(cell.strip().strip("\"'")) is not None
 
 
-def decimal_mark(cells: Iterable[str]) -> str:
+def decimal_mark(cells: Sequence[str]) -> str:
     """Return the decimal mark that every cell agrees with.
 
     Raises
@@ -46,19 +47,29 @@ def decimal_mark(cells: Iterable[str]) -> str:
     Unclear
         When cells contradict each other, or ``1,424`` could be either of two numbers.
     """
-    marked = [c for c in cells if "," in c or "." in c]
-    proofs = {mark: next((c for c in marked if _proves(c, mark)), None) for mark in ".,"}
+    proofs = {
+        mark: [i for i, c in enumerate(cells) if _may_prove(c, mark) and _proves(c, mark)]
+        for mark in ".,"
+    }
     if proofs["."] and proofs[","]:
-        raise Unclear(f"'{proofs['.']}' needs a decimal point and '{proofs[',']}' a decimal comma")
+        rare, usual = sorted(proofs, key=lambda mark: len(proofs[mark]))
+        odd, common = cells[proofs[rare][0]], cells[proofs[usual][0]]
+        twice = " (several marks: has a spreadsheet changed it?)" if _MARKS.search(odd) else ""
+        raise Unclear(
+            f"'{odd}'{twice} has {_MARK_NAMES[rare]}, but '{common}' {_MARK_NAMES[usual]}",
+            proofs[rare][0],
+        )
     if proofs["."] or proofs[","]:
         return "." if proofs["."] else ","
-    commas = next((c for c in marked if "," in c), None)
-    points = next((c for c in marked if "." in c), None)
-    if commas is None:
+    unsure = next((i for i, c in enumerate(cells) if "," in c), None)
+    if unsure is None:
         return "."
-    if points is not None:
-        raise Unclear(f"'{commas}' and '{points}' do not say which mark is the decimal one")
-    raise Unclear(f"'{commas}' could be a decimal or a thousand: no other number tells")
+    raise Unclear(f"'{cells[unsure]}' could be a decimal or a thousand: no number tells", unsure)
+
+
+def _may_prove(cell: str, mark: str) -> bool:
+    """Rule most cells out quickly: a proof holds the mark itself, or the other one twice."""
+    return mark in cell or cell.count("," if mark == "." else ".") > 1
 
 
 def _proves(cell: str, mark: str) -> bool:

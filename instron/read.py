@@ -91,7 +91,8 @@ def _told(lines: list[str], delimiter: str, columns: Sequence[str]) -> Header | 
     for number, line in enumerate(lines[:200]):
         cells = split_cells(line, delimiter)
         if len(cells) >= len(columns) and is_row(cells, [c.index for c in specimen.values()]):
-            return Header(number - 1, number, len(cells), list(columns), [specimen], [])
+            names = [*columns, *[""] * (len(cells) - len(columns))]
+            return Header(number - 1, number, len(cells), names, [specimen], [])
     return None
 
 

@@ -158,6 +158,17 @@ def split_unit(cell: str) -> tuple[str, str | None]:
     return text, None
 
 
+def unknown_unit(name: str) -> str | None:
+    """Return what stands in brackets at the end where only a unit makes sense, or None.
+
+    ``Load (tonnes)`` must not pass for a load without a unit; ``Displacement (Strain 1)`` may.
+    """
+    bracket = re.search(r"[(\[]\s*([^()\[\]\s\d]{1,12})\s*[)\]]$", name)
+    if bracket is None or plain(bracket[1]) in GAUGE | CROSSHEAD | ABSOLUTE | OTHER_THINGS:
+        return None
+    return None if quantity_of(bracket[1]) else bracket[1]
+
+
 def quantity_of(name: str) -> str | None:
     """Return which quantity a header name means, or None."""
     bare = plain(re.sub(r"[(\[<].*?[)\]>]", " ", name))

@@ -1,0 +1,161 @@
+"""Damaged or doubtful files: refused with the reason, or flagged; never guessed."""
+
+import numpy as np
+import pytest
+
+import instron
+
+HEAD = "Time,Extension,Load\n(s),(mm),(N)\n"
+TAB = "Time\tExtension\tLoad\ns\tmm\tN\n"
+
+
+def line(i, delimiter=","):
+    return delimiter.join([f"{i * 0.1:.2f}", f"{i * 0.05:.4f}", f"{100 + 1.25 * i:.4f}"])
+
+
+def body(n=50, delimiter=","):
+    return [line(i, delimiter) for i in range(n)]
+
+
+def read(tmp_path, text, encoding="utf-8", **told):
+    path = tmp_path / "damaged.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode(encoding))
+    return instron.read(path, **told)
+
+
+def with_row(row, at=20, head=HEAD, delimiter=","):
+    rows = body(delimiter=delimiter)
+    rows[at] = row
+    return head + "\n".join(rows) + "\n"
+
+
+REFUSED = {
+    "empty file": (b"", "empty"),
+    "zero bytes": (HEAD.encode() + b"0.1,0.2,3" + bytes(50), "line 3: zero bytes"),
+    "xml method": ("<?xml version='1.0'?><Sample/>".encode("utf-16"), "XML"),
+    "xml utf-8": (b"<?xml version='1.0'?><Sample/>", "XML"),
+    "workbook": (b"PK\x03\x04" + bytes(range(1, 200)), "workbook"),
+    "lost decimal point, quoted": (with_row('2.00,1.0000,"2,110,849"'), "line 23.*decimal point"),
+    "lost decimal point, tab": (
+        with_row("2.00\t1.0000\t2,110,849", head=TAB, delimiter="\t"),
+        "line 23.*decimal point",
+    ),
+    "lost decimal point, unquoted": (with_row("2.00,1.0000,2,110,849"), "line 23: 5 cells"),
+    "two points": (with_row("2.00\t1.0000\t2.110.849", head=TAB, delimiter="\t"), "line 23"),
+    "decimal comma without quotes": (HEAD + "0,1,0,05,1,5\n" * 9, "6 cells under a header of 3"),
+    "fill -1000000": (with_row("2.00,1.0000,-1000000"), "line 23: force -1e\\+06 is a fill value"),
+    "fill 9.99E+37": (with_row("2.00,1.0000,9.99E+37"), "line 23: .*fill value"),
+    "fill -----": (with_row("2.00,1.0000,-----"), "line 23: .*'-----'"),
+    "fill *****": (with_row("2.00,*****,3.0"), r"line 23: .*'\*\*\*\*\*'"),
+    "OVER": (with_row("2.00,1.0000,OVER"), "line 23: .*'OVER'"),
+    "1.#INF": (with_row("2.00,1.0000,1.#INF"), "line 23: .*'1.#INF'"),
+    "inf": (with_row("2.00,1.0000,inf"), "line 23"),
+    "nan in the force": (with_row("2.00,1.0000,nan"), "line 23"),
+    "gap": (with_row("2.00,1.0000,"), "line 23: a row lacks numbers"),
+    "letter in a number": (with_row("2.00,1.0000,12x.5"), "line 23: .*'12x.5'"),
+    "time runs back": (with_row("0.30,1.0000,125.0"), "line 23: time jumps back"),
+    "text within the data": (with_row("paused by operator"), "line 23: text within the data"),
+    "voltage logger": ("Time,Displacement,Load\n(s),(V),(V)\n" + "\n".join(body()), "volt"),
+    "strain and stress only": ("Strain (%),Stress (MPa)\n1,2\n2,3\n", "no header that names"),
+    "no force": ("Time (s),Extension (mm)\n0,1\n1,2\n", "no force column"),
+    "no header": ("\n".join(body()), "no header"),
+    "unknown unit": ("Time (s),Extension (mm),Load (zorg)\n" + "\n".join(body()), "unit|zorg"),
+    "ambiguous commas": (TAB + "1\t2\t1,424\n2\t3\t1,425\n", "could be a decimal or a thousand"),
+    "two decimal marks": (TAB + "0.5\t2\t0,25\n0.6\t3\t0,5\n", "decimal (comma.*decimal point|point.*decimal comma)"),
+    "broken grouping": (with_row('2.00,1.0000,"1,42.96"'), "line 23: '1,42.96' is not a number"),
+    "header only": (HEAD, "no row of numbers"),
+    "stated maximum ten times off": (
+        "Maximum load,1612.5,N\n\n" + HEAD + "\n".join(body()) + "\n",
+        "states a maximum of 1612.5 N.*power of ten",
+    ),
+}
+
+
+@pytest.mark.parametrize("damage", REFUSED)
+def test_damage_is_refused_with_its_reason(damage, tmp_path):
+    content, reason = REFUSED[damage]
+    with pytest.raises(instron.Unreadable, match=reason) as caught:
+        read(tmp_path, content)
+    assert "damaged.csv" in str(caught.value)
+    assert caught.value.users_fault
+
+
+@pytest.mark.parametrize("keep", range(1, len(line(49)) + 1))
+def test_a_file_cut_in_mid_row_keeps_the_good_rows(keep, tmp_path):
+    whole = HEAD + "\n".join(body(50)) + "\n"
+    cut = HEAD + "\n".join(body(49)) + "\n" + line(49)[:keep]
+    log = read(tmp_path, cut)[0]
+    full = read(tmp_path, whole)[0]
+    if keep == len(line(49)):
+        assert len(log) == 50
+        assert log.attrs["lost_rows"] == 0
+    else:
+        assert len(log) == 49
+        assert log.attrs["lost_rows"] == 1
+        assert "1 row lost" in log.attrs["warnings"][0]
+    np.testing.assert_array_equal(log, full.iloc[: len(log)])
+
+
+def test_a_file_cut_in_a_quote_keeps_the_good_rows(tmp_path):
+    rows = "".join('"' + '","'.join(row.split(",")) + '"\n' for row in body(30))
+    log = read(tmp_path, HEAD + rows + '"3.00","1.50')[0]
+    assert len(log) == 30
+    assert log.attrs["lost_rows"] == 1
+
+
+def test_a_last_row_that_jumps_back_is_dropped_and_told(tmp_path):
+    log = read(tmp_path, HEAD + "\n".join([*body(30), "0.00,0.0000,0.0000"]) + "\n")[0]
+    assert len(log) == 30
+    assert "jumps back from 2.9 s to 0 s" in log.attrs["warnings"][0]
+
+
+def test_milliseconds_under_a_header_of_seconds_are_flagged(tmp_path):
+    rows = "\n".join(f"{100 * i},{i * 0.01:.3f},{i}" for i in range(50))
+    log = read(tmp_path, HEAD + rows + "\n")[0]
+    assert "may be in ms" in log.attrs["warnings"][0]
+
+
+def test_units_that_nobody_stated_are_flagged(tmp_path):
+    text = "Time,Extension,Load\n" + "\n".join(body())
+    log = read(tmp_path, text)[0]
+    assert sum("not stated" in note for note in log.attrs["warnings"]) == 3
+    told = read(tmp_path, text, units={"time": "s", "displacement": "in", "force": "lbf"})[0]
+    assert told.attrs["warnings"] == []
+    assert told["displacement"].iloc[1] == pytest.approx(0.05 * 0.0254)
+
+
+def test_specimens_in_different_units_are_flagged(tmp_path):
+    one = HEAD + "\n".join(body()) + "\n\n"
+    logs = read(tmp_path, one + one.replace("(N)", "(kN)"))
+    assert logs[1]["force"].iloc[0] == 1000 * logs[0]["force"].iloc[0]
+    assert all("differ in the unit of force" in log.attrs["warnings"][0] for log in logs)
+
+
+def test_a_maximum_that_the_rows_do_not_reach_is_flagged(tmp_path):
+    text = "Maximum Load (N),Extension at Maximum Load (mm)\n999.86,3.0\n\n" + HEAD
+    log = read(tmp_path, text + "\n".join(body()) + "\n")[0]
+    assert "states a maximum of 999.86 N" in log.attrs["warnings"][0]
+
+
+def test_extension_at_maximum_load_is_no_maximum_load(tmp_path):
+    text = "Extension at Maximum Load (mm),Tensile stress at Maximum Load (MPa)\n1.0,2.0\n\n"
+    assert read(tmp_path, text + HEAD + "\n".join(body()) + "\n")[0].attrs["warnings"] == []
+
+
+def test_a_table_without_header_is_read_when_told(tmp_path):
+    text = "\n".join(row.split(",", 1)[1] for row in body())
+    log = read(tmp_path, text, columns=("displacement", "force"), units={"displacement": "mm", "force": "N"})[0]  # fmt: skip
+    assert len(log) == 50
+    assert log["force"].iloc[-1] == pytest.approx(161.25)
+    assert log["time"].isna().all()
+
+
+def test_quoted_line_breaks_in_the_preamble_do_not_shift_the_rows(tmp_path):
+    log = read(tmp_path, 'Notes,"first\nsecond\nthird"\n\n' + HEAD + "\n".join(body()) + "\n")[0]
+    assert len(log) == 50
+    assert log["time"].iloc[0] == 0
+
+
+def test_footers_are_left_out(tmp_path):
+    log = read(tmp_path, HEAD + "\n".join(body()) + "\n\nEnd of test\nOperator,Zoe\n")[0]
+    assert len(log) == 50
