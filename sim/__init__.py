@@ -1,1 +1,54 @@
 """Cosserat rods in contact, a tine that combs them, and their exact topology."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sim.errors import SceneError, Unstable
+    from sim.presets import curl, double_helix
+    from sim.run import Run, open_run
+    from sim.scene import Scene, load_scene
+    from sim.simulate import simulate
+    from sim.topology import average_crossing_number, gauss_link, link_density, twist, writhe
+
+# Imported on first use: numba and its kernels take a second that `import sim` need not.
+_ROOMS = {
+    "SceneError": "errors",
+    "Unstable": "errors",
+    "curl": "presets",
+    "double_helix": "presets",
+    "Run": "run",
+    "open_run": "run",
+    "Scene": "scene",
+    "load_scene": "scene",
+    "simulate": "simulate",
+    "average_crossing_number": "topology",
+    "gauss_link": "topology",
+    "link_density": "topology",
+    "twist": "topology",
+    "writhe": "topology",
+}
+__all__ = [
+    "Run",
+    "Scene",
+    "SceneError",
+    "Unstable",
+    "average_crossing_number",
+    "curl",
+    "double_helix",
+    "gauss_link",
+    "link_density",
+    "load_scene",
+    "open_run",
+    "simulate",
+    "twist",
+    "writhe",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ROOMS:
+        raise AttributeError(f"module 'sim' has no attribute {name!r}")
+    value = getattr(import_module(f"sim.{_ROOMS[name]}"), name)
+    globals()[name] = value  # over the submodule `sim.simulate`, which the import has just bound
+    return value

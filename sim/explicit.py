@@ -1,0 +1,139 @@
+"""The explicit march from Python: time step, neighbour list, windows of steps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim import effects, timestep
+from sim.errors import SceneError, Unstable
+from sim.kernels import march as march_kernel
+from sim.kernels import neighbours
+from sim.scene import Scene
+from sim.state import build
+
+SPEED_LIMIT = 0.2  # of an element's length per step; the stable march stays far below
+
+
+class Explicit:
+    """A scene on its way through time with position Verlet.
+
+    Attributes
+    ----------
+    state : State
+        Rods as they are now.
+    dt : float
+        Time step [s].
+    time : float
+        Time since the start [s].
+    """
+
+    def __init__(self, scene: Scene, dt: float | None = None) -> None:
+        self.scene = scene
+        self.state = build(scene)
+        self.limit = timestep.stable_step(
+            self.state, effects.stiffness(scene), effects.viscous(scene)
+        )
+        self.dt = timestep.choose_step(scene, self.limit) if dt is None else dt
+        self.steps = 0
+        self.gravity = effects.gravity(scene)
+        self.keep = effects.damping(scene, self.dt)
+        self.viscous = effects.viscous(scene)
+        self.friction = effects.friction(scene)
+        self.contact = effects.contact(scene, self.state)
+        self.tines = effects.tines(scene, self.state)
+        lengths = self.state.row("LENGTH")
+        self._fastest = (SPEED_LIMIT * lengths[lengths > 0].min() / self.dt) ** 2
+        if self.contact is not None:
+            size = 1 << int(np.ceil(np.log2(2 * self.state.n)))
+            self._heads = np.zeros(size, np.int64)
+            self._following = np.zeros(self.state.n, np.int64)
+            self._rebuild()
+
+    @property
+    def time(self) -> float:
+        """Time since the start [s]."""
+        return self.steps * self.dt
+
+    def advance(self, steps: int) -> None:
+        """Take this many steps.
+
+        Raises
+        ------
+        Unstable
+            The speed of some node left the range that the time step resolves.
+        """
+        left = steps
+        while left > 0:
+            taken, status = march_kernel.march(
+                self.state.buf, self.state.n, self.time, self.dt, left, self._fastest,
+                self.keep, self.viscous, self.gravity, self.contact, self.friction, self.tines,
+            )  # fmt: skip
+            self.steps += taken
+            left -= taken
+            if status == march_kernel.STALE:
+                self._rebuild()
+            elif status == march_kernel.UNSTABLE:
+                raise self._unstable()
+
+    def _rebuild(self) -> None:
+        """List the pairs that may touch, making room when there are more than before."""
+        old = self.contact
+        assert old is not None
+        start, partner = np.zeros_like(old.start), np.zeros_like(old.partner)
+        count = self._build(start, partner)
+        if count > partner.size:
+            partner = np.zeros(2 * count, np.int64)
+            self._build(start, partner)
+        slip = np.zeros((partner.size if self.friction is not None else 1, 3))
+        if self.friction is not None:
+            neighbours.carry_slip(
+                self.state.n, old.start, old.partner, old.slip, start, partner, slip
+            )
+        self.contact = old._replace(start=start, partner=partner, slip=slip)
+
+    def _build(self, start: np.ndarray, partner: np.ndarray) -> int:
+        return neighbours.build_list(
+            self.state.buf, self.state.n, self.contact, self._heads, self._following, start, partner
+        )
+
+    def tine_travel(self) -> np.ndarray:
+        """Return how far every tine has moved [m], (m,)."""
+        return self.tines.now[:, 0].copy() if self.tines is not None else np.zeros(0)
+
+    def take_load(self) -> np.ndarray:
+        """Return the sum over steps of the force on each tine [N], (m, 3), and start a new sum."""
+        if self.tines is None:
+            return np.zeros((0, 3))
+        load = self.tines.load.copy()
+        self.tines.load[:] = 0
+        return load
+
+    def _unstable(self) -> Unstable:
+        speed = np.linalg.norm(self.state.rows("V0 V1 V2"), axis=0)
+        worst = int(np.argmax(np.where(np.isfinite(speed), speed, np.inf)))
+        rod = int(np.searchsorted(self.state.first, worst, side="right") - 1)
+        element = worst - self.state.first[rod]
+        return Unstable(
+            f"unstable at t = {self.time:.6g} s: node {element} of rod {rod} moves at "
+            f"{speed[worst]:.3g} m/s, a good part of an element per step of {self.dt:.3g} s; "
+            "lower `safety`, the tine's speed or the contact stiffness",
+            self.time, rod, element,
+        )  # fmt: skip
+
+
+def explicit(scene: Scene) -> Explicit:
+    """Return the march of a scene, its time step fitted to the sampling window.
+
+    Raises
+    ------
+    SceneError
+        The scene cannot be laid out, or asks for an unstable time step.
+    """
+    march = Explicit(scene)
+    window = 1 / scene.output.sample_rate
+    if window < march.dt:
+        raise SceneError(
+            f"output.sample_rate = {scene.output.sample_rate:g} 1/s: one sample is shorter than a "
+            f"time step of {march.dt:.3g} s; ask for at most {1 / march.dt:.3g} 1/s"
+        )
+    return Explicit(scene, dt=window / np.ceil(window / march.dt))

@@ -1,0 +1,125 @@
+"""Rigid cylinders that are driven through the rods: their motion, contact and measured load."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.kernels.compiled import kernel
+from sim.kernels.contact import clip, near_line, press, rubbing_force, surface_velocity
+from sim.kernels.layout import *  # noqa: F403
+from sim.kernels.vectors import along, at, cross, dot, minus, push, to_body
+
+
+class Tines(NamedTuple):
+    """All tines of a scene.
+
+    `geometry` (m, 8): start of the axis' midpoint [m], unit axis, half length and radius [m].
+    `motion` (m, 7): unit direction, insertion time [s], ramp time [s], speed [m/s], travel [m].
+    `now` (m, 8): travel [m], speed [m/s], radius [m], midpoint [m], 2 unused; filled every step.
+    `load` (m, 3): sum over steps of the force on the tine [N]. `slip` (m, n, 3): see friction.
+    """
+
+    stiffness: float
+    geometry: np.ndarray
+    motion: np.ndarray
+    now: np.ndarray
+    load: np.ndarray
+    slip: np.ndarray
+
+
+@kernel
+def travelled(time, insertion, ramp, speed, travel):
+    """Return how far [m] and how fast [m/s] a tine moves: at rest, a smooth start, steady, stop."""
+    t = time - insertion
+    if t <= 0.0:
+        return 0.0, 0.0
+    if t < ramp:
+        distance, velocity = 0.5 * speed * t * t / ramp, speed * t / ramp
+    else:
+        distance, velocity = speed * (t - 0.5 * ramp), speed
+    if distance >= travel:
+        return travel, 0.0
+    return distance, velocity
+
+
+@kernel
+def place(tines, time):
+    """Move every tine to where it is at `time`; while being inserted its radius grows smoothly."""
+    for m in range(tines.geometry.shape[0]):
+        g, motion, now = tines.geometry[m], tines.motion[m], tines.now[m]
+        now[0], now[1] = travelled(time, motion[3], motion[4], motion[5], motion[6])
+        grown = min(time / motion[3], 1.0) if motion[3] > 0.0 else 1.0
+        now[2] = g[7] * grown * grown * (3.0 - 2.0 * grown)
+        for axis in range(3):
+            now[3 + axis] = g[axis] + now[0] * motion[axis]
+
+
+@kernel
+def tine_forces(buf, n, dt, tines, friction):
+    """Add the contact of every element with every tine and sum the reaction on the tine."""
+    for m in range(tines.geometry.shape[0]):
+        g, now = tines.geometry[m], tines.now[m]
+        middle, axis, half = (now[3], now[4], now[5]), (g[3], g[4], g[5]), g[6]
+        q0, q1 = along(middle, -half, axis), along(middle, half, axis)
+        for a in range(n):
+            if passes_near(buf, a, middle, axis, now[2]):
+                reach = buf[RADIUS + a] + now[2]
+                one_tine(buf, a, m, q0, q1, reach, dt, tines, friction)
+            elif friction is not None:
+                tines.slip[m, a, 0] = tines.slip[m, a, 1] = tines.slip[m, a, 2] = 0.0
+
+
+@kernel
+def passes_near(buf, a, middle, axis, radius):
+    """Tell whether a sphere around element a, stretched to twice its length, meets the cylinder."""
+    w = minus(at(buf, X0, X1, X2, a), middle)
+    across = along(w, -dot(w, axis), axis)
+    bound = buf[RADIUS + a] + radius + 2.0 * buf[LENGTH + a]
+    return buf[LENGTH + a] > 0.0 and dot(across, across) < bound * bound
+
+
+@kernel
+def one_tine(buf, a, m, q0, q1, reach, dt, tines, friction):
+    """Add the contact of element a with tine m."""
+    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+    u, w0, w1 = minus(q1, q0), minus(p0, q0), minus(p1, q0)
+    cap = reach * math.sqrt(dot(u, u))
+    low, high = near_line(0.0, 1.0, w0, w1, u, reach)
+    if low < high:
+        low, high = clip(low, high, dot(w0, u) + cap, dot(w1, u) + cap)
+    if low < high:
+        low, high = clip(low, high, cap - dot(minus(p0, q1), u), cap - dot(minus(p1, q1), u))
+    if low >= high:
+        if friction is not None:
+            tines.slip[m, a, 0] = tines.slip[m, a, 1] = tines.slip[m, a, 2] = 0.0
+        return
+    line = tines.stiffness * buf[LENGTH + a]
+    force, first_s, _, total, sum_s, sum_t = press(p0, p1, q0, q1, low, high, reach, line)
+    push(buf, F0, F1, F2, a, minus(force, first_s), 1.0)
+    push(buf, F0, F1, F2, a + 1, first_s, 1.0)
+    if friction is not None and total > 0.0:
+        spring = line * (high - low)
+        f = rub_tine(buf, a, m, sum_s / total, sum_t / total, total, spring, dt, tines, friction)
+        force = along(force, 1.0, f)
+    for k in range(3):
+        tines.load[m, k] -= force[k]
+
+
+@kernel
+def rub_tine(buf, a, m, s, t, normal, spring, dt, tines, friction):
+    """Add the friction of element a on tine m and return the force on the element [N]."""
+    g, now, motion = tines.geometry[m], tines.now[m], tines.motion[m]
+    dp = minus(at(buf, X0, X1, X2, a + 1), at(buf, X0, X1, X2, a))
+    x = along(at(buf, X0, X1, X2, a), s, dp)
+    on_axis = along((now[3], now[4], now[5]), (2.0 * t - 1.0) * g[6], (g[3], g[4], g[5]))
+    to_tine = minus(on_axis, x)
+    share = buf[RADIUS + a] / (buf[RADIUS + a] + now[2])
+    arm = (share * to_tine[0], share * to_tine[1], share * to_tine[2])
+    drive = (now[1] * motion[0], now[1] * motion[1], now[1] * motion[2])
+    velocity = minus(surface_velocity(buf, a, s, arm), drive)
+    f = rubbing_force(velocity, to_tine, dp, normal, spring, dt, friction, tines.slip[m, a])
+    push(buf, F0, F1, F2, a, f, 1.0 - s)
+    push(buf, F0, F1, F2, a + 1, f, s)
+    push(buf, C0, C1, C2, a, to_body(buf, a, cross(arm, f)), 1.0)
+    return f

@@ -1,0 +1,118 @@
+"""A finished simulation: one labelled data set, in memory and as a NetCDF file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from sim.errors import SceneError
+from sim.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray
+
+
+class Run:
+    """What a simulation recorded.
+
+    Attributes
+    ----------
+    data : xarray.Dataset
+        Dimensions `sample` (force log), `snapshot`, `node` (all rods, one after another), `axis`;
+        every variable has units; the attributes hold the scene, versions and the time step.
+    """
+
+    def __init__(self, data: xarray.Dataset) -> None:
+        self.data = data
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that was simulated."""
+        return Scene.model_validate_json(self.data.attrs["scene"])
+
+    @property
+    def times(self) -> np.ndarray:
+        """Time of every snapshot [s]."""
+        return np.asarray(self.data["snapshot_time"])
+
+    @property
+    def displacements(self) -> np.ndarray:
+        """Travel of the first tine at every snapshot [m]."""
+        return np.asarray(self.data["snapshot_displacement"])
+
+    def strands(self, snapshot: int = -1) -> list[np.ndarray]:
+        """Return the centreline of every rod in a snapshot, (n, 3) [m], root to tip."""
+        positions = np.asarray(self.data["position"][snapshot])
+        rod = np.asarray(self.data["rod"])
+        return [positions[rod == number] for number in range(int(rod.max()) + 1)]
+
+    def force_log(self) -> pd.DataFrame:
+        """Return `time` [s], `displacement` [m] and `force` [N] on the tine, as an export gives it.
+
+        Each force is the mean over its sampling window, positive when it resists combing.
+
+        Raises
+        ------
+        SceneError
+            The scene has no tine.
+        """
+        if "force" not in self.data:
+            raise SceneError(
+                f"{self.data.attrs['title']}: no tine in this scene, hence no force log"
+            )
+        log = pd.DataFrame(
+            {name: np.asarray(self.data[name]) for name in ("time", "displacement", "force")}
+        )
+        log.attrs = {
+            "source": self.data.attrs.get("path", "simulation"),
+            "specimen": self.data.attrs["title"],
+            "kind": "simulation",
+            "E": self.scene.rods[0].material.E,
+            "r": self.scene.rods[0].radius,
+        }
+        return log
+
+    def save(self, path: str | Path) -> None:
+        """Write the run as NetCDF; the file appears whole or not at all."""
+        with replacing(Path(path)) as temporary:
+            self.data.to_netcdf(temporary, engine="h5netcdf")
+
+
+def open_run(path: str | Path) -> Run:
+    """Read a run from its NetCDF file.
+
+    Raises
+    ------
+    SceneError
+        The file is missing or is not a run.
+    """
+    import xarray
+
+    if not Path(path).exists():
+        raise SceneError(f"{path}: no such file; expected a run (.nc) of `combing simulate`")
+    try:
+        data = xarray.load_dataset(path, engine="h5netcdf")
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{path}: not a run of `combing simulate`: {error}") from None
+    if "scene" not in data.attrs or "position" not in data:
+        raise SceneError(f"{path}: a NetCDF file, but not a run of `combing simulate`")
+    data.attrs["path"] = str(path)
+    return Run(data)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary path beside `path` that replaces it when the block ends well."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        yield temporary
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,219 @@
+"""What a scene is: rods, the effects that act on them, what is recorded. SI units throughout."""
+
+from __future__ import annotations
+
+import tomllib
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from sim.errors import SceneError
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Vector = tuple[float, float, float]
+
+
+class Part(BaseModel):
+    """A part of a scene: fixed once made, and a key it does not know is an error."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Material(Part):
+    """Elastic, isotropic, solid round section: Young's modulus [Pa], Poisson ratio, kg/m^3.
+
+    `shear_coefficient` is Timoshenko's alpha: 27/28 as in Gazzola et al. 2018, 0.886 for nu = 0.5
+    after Cowper (1966).
+    """
+
+    E: Positive
+    nu: Annotated[float, Field(gt=-1, le=0.5)] = 0.4
+    density: Positive
+    shear_coefficient: Positive = 27 / 28
+
+
+class Helix(Part):
+    """Right-handed helix hanging from z = 0 along -z: radius, pitch, height [m], phase [rad]."""
+
+    kind: Literal["helix"] = "helix"
+    radius: Positive
+    pitch: Positive
+    height: Positive
+    phase: float = 0.0
+
+
+class Straight(Part):
+    """Straight rod from `root` [m] along `direction`, `length` [m] long."""
+
+    kind: Literal["straight"] = "straight"
+    root: Vector = (0.0, 0.0, 0.0)
+    direction: Vector = (0.0, 0.0, -1.0)
+    length: Positive
+
+
+class Points(Part):
+    """Nodes given one by one [m]; the number of elements is one less."""
+
+    kind: Literal["points"] = "points"
+    nodes: list[Vector] = Field(min_length=3)
+
+
+class RandomCurvature(Part):
+    """Intrinsic curvature drawn at random: sd [1/m] of each component, correlation length [m].
+
+    ``correlation = 0`` draws every vertex on its own, as the paper does; that depends on the mesh.
+    """
+
+    sd: NotNegative
+    correlation: NotNegative = 0.01
+
+
+class Rod(Part):
+    """One strand. `rest` says which shape carries no stress: the drawn one, or a straight rod."""
+
+    shape: Annotated[Helix | Straight | Points, Field(discriminator="kind")]
+    radius: Positive
+    elements: Annotated[int, Field(ge=2)]
+    material: Material
+    rest: Literal["drawn", "straight"] = "drawn"
+    curvature: RandomCurvature | None = None
+    clamp: Literal["root", "free"] = "root"
+
+
+class Contact(Part):
+    """Contact between rods and with tines: line stiffness [N/m^2], skin of the neighbour list [m].
+
+    Left out, the stiffness is 0.3 of the softest rod's Young's modulus and the skin half of the
+    largest radius. `self_contact` also lets a rod touch itself.
+    """
+
+    stiffness: Positive | None = None
+    skin: Positive | None = None
+    self_contact: bool = False
+
+
+class Friction(Part):
+    """Coulomb coefficients of a strand that slides root to tip, and tip to root, over a body."""
+
+    forward: NotNegative
+    backward: NotNegative
+
+
+class Damping(Part):
+    """What takes energy out: `drag` [1/s] of all velocities, `material` [s] of all strains.
+
+    `material` is the Kelvin-Voigt time: stress = modulus (strain + material strain rate). A motion
+    of angular frequency w is damped by w material/2 of critical, so a time near a step of the march
+    drains the fast modes that sliding contact feeds and leaves slow bending alone.
+    """
+
+    drag: NotNegative = 0.0
+    material: NotNegative = 0.0
+
+
+class Tine(Part):
+    """Rigid cylinder: inserted by growing to `radius` at `position`, then driven along `direction`.
+
+    Lengths [m], `insertion` and `ramp` times [s], `speed` [m/s], `travel` [m].
+    """
+
+    position: Vector
+    axis: Vector
+    length: Positive
+    radius: Positive
+    direction: Vector
+    insertion: NotNegative = 0.05
+    ramp: Positive = 0.02
+    speed: Positive
+    travel: Positive
+
+    @property
+    def duration(self) -> float:
+        """Time from the start of the insertion to the end of the travel [s]."""
+        return self.insertion + 0.5 * self.ramp + self.travel / self.speed
+
+
+class Output(Part):
+    """What is recorded: force samples per second (each a mean over its window), snapshots."""
+
+    sample_rate: Positive = 1000.0
+    snapshots: Annotated[int, Field(ge=1)] = 64
+
+
+class Scene(Part):
+    """Rods and the effects that act on them; an effect that is left out costs nothing."""
+
+    title: str = "scene"
+    rods: list[Rod] = Field(min_length=1)
+    duration: Positive
+    gravity: Vector | None = None
+    contact: Contact | None = None
+    friction: Friction | None = None
+    damping: Damping | None = None
+    tines: list[Tine] = []
+    rotary_inertia: Literal["section", "element"] = "section"
+    time_step: Positive | None = None
+    safety: Annotated[float, Field(gt=0, le=1)] = 0.6
+    output: Output = Output()
+    seed: int = 0
+
+    @model_validator(mode="after")
+    def _friction_needs_contact(self) -> Scene:
+        if self.friction is not None and self.contact is None:
+            raise ValueError("friction acts where rods touch: add a [contact] table")
+        return self
+
+
+def first_complaint(error: ValidationError, model: type[BaseModel]) -> str:
+    """Return one line for the first thing pydantic found wrong: key, value, what would be right."""
+    problem = error.errors()[0]
+    key = ".".join(str(part) for part in problem["loc"]) or "scene"
+    if problem["type"] == "extra_forbidden":
+        near = get_close_matches(key, model.model_fields, 1)
+        hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(model.model_fields)}"
+        return f"{key}: unknown key; {hint}"
+    if problem["type"] == "missing":
+        return f"{key}: missing"
+    message = problem["msg"].removeprefix("Value error, ")
+    value = problem["input"]
+    return f"{key}: {message}" if isinstance(value, dict) else f"{key} = {value!r}: {message}"
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """Read a TOML file; say in one line why if that cannot be done.
+
+    Raises
+    ------
+    SceneError
+        The file does not exist or is not TOML.
+    """
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise SceneError(f"{path}: no such file; expected a scene in TOML") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SceneError(f"{path}: not a TOML file: {error}") from None
+
+
+def load_scene(path: str | Path) -> Scene:
+    """Read a scene from a TOML file: a preset by name with its parameters, or a whole scene.
+
+    Raises
+    ------
+    SceneError
+        The file is missing, is not TOML, or a key or value is wrong.
+    """
+    from sim.presets import preset_scene
+
+    table = read_toml(path)
+    try:
+        if "preset" in table:
+            return preset_scene(table.pop("preset"), table)
+        return Scene(**table)
+    except SceneError as error:
+        raise SceneError(f"{path}: {error}") from None
+    except ValidationError as error:
+        raise SceneError(f"{path}: {first_complaint(error, Scene)}") from None

@@ -1,0 +1,103 @@
+"""Centrelines of rods and the frames and rest curvatures that go with them."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+
+def straight(root: Array, direction: Array, length: float, elements: int) -> Array:
+    """Return the (elements + 1, 3) nodes [m] of a straight rod."""
+    unit = np.asarray(direction, float) / np.linalg.norm(direction)
+    return np.asarray(root, float) + np.linspace(0, length, elements + 1)[:, None] * unit
+
+
+def helix(radius: float, pitch: float, height: float, elements: int, phase: float = 0.0) -> Array:
+    """Return nodes [m] of a right-handed helix that hangs from z = 0 down to z = -height.
+
+    The nodes lie a little outside `radius`, where the chords between them have `radius` as their
+    mean distance from the axis; with the nodes on the helix two strands in contact would overlap.
+
+    Parameters
+    ----------
+    radius, pitch, height : float
+        Radius and pitch of the helix and its extent along the axis [m].
+    elements : int
+        Number of chords.
+    phase : float
+        Angle of the root about the axis [rad].
+    """
+    turns = np.linspace(0, height / pitch, elements + 1)
+    step = 2 * np.pi * turns[1]
+    # Mean of sqrt(1 - 4 s (1 - s) sin^2(step/2)) over the chord, to second order in step.
+    outside = radius * (1 + step**2 / 12)
+    angle = 2 * np.pi * turns + phase
+    return np.column_stack([outside * np.cos(angle), -outside * np.sin(angle), -pitch * turns])
+
+
+def frames(nodes: Array) -> Array:
+    """Return the (n, 3, 3) frames of a polyline without twist, rows d1, d2, d3 = tangent.
+
+    Each frame is the one before, turned by the smallest rotation that takes one tangent to the
+    next (parallel transport; Bishop, Am. Math. Mon. 82, 246 (1975)).
+    """
+    tangents = np.diff(nodes, axis=0)
+    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+    seed = np.eye(3)[np.argmin(np.abs(tangents[0]))]
+    first = np.cross(tangents[0], seed)
+    first /= np.linalg.norm(first)
+    result = np.empty((len(tangents), 3, 3))
+    result[0] = first, np.cross(tangents[0], first), tangents[0]
+    for i in range(1, len(tangents)):
+        result[i] = result[i - 1] @ smallest_turn(tangents[i - 1], tangents[i]).T
+    return result
+
+
+def smallest_turn(a: Array, b: Array) -> Array:
+    """Return the rotation matrix that takes unit vector a to unit vector b the short way."""
+    axis, cosine = np.cross(a, b), float(a @ b)
+    skew = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]], float)
+    return np.eye(3) + skew + skew @ skew / max(1 + cosine, 1e-12)
+
+
+def curvature(directors: Array, voronoi: Array) -> Array:
+    """Return (n - 1, 3) curvatures and twist [1/m] in the body frame, log(Q_i Q_{i-1}^T)/D.
+
+    Parameters
+    ----------
+    directors : (n, 3, 3)
+        Rows d1, d2, d3 of every element.
+    voronoi : (n - 1,)
+        Length that belongs to each inner vertex [m].
+    """
+    turns = directors[1:] @ directors[:-1].transpose(0, 2, 1)
+    return -Rotation.from_matrix(turns).as_rotvec() / voronoi[:, None]
+
+
+def random_curvature(
+    lengths: Array, sd: float, correlation: float, *, rng: np.random.Generator
+) -> Array:
+    """Draw (n, 2) intrinsic curvatures about d1 and d2 [1/m] along a rod.
+
+    A stationary Gaussian process with correlation exp(-|s|/correlation), whose statistics do not
+    depend on the mesh (Ornstein-Uhlenbeck, exact update). With ``correlation=0`` every vertex is
+    drawn on its own, as in the paper; that draw depends on the mesh.
+
+    Parameters
+    ----------
+    lengths : (n,)
+        Voronoi lengths [m].
+    sd : float
+        Standard deviation of each component [1/m].
+    correlation : float
+        Correlation length [m].
+    rng : numpy.random.Generator
+    """
+    draws = rng.standard_normal((len(lengths), 2))
+    if correlation == 0:
+        return sd * draws
+    keep = np.exp(-lengths / correlation)
+    for i in range(1, len(draws)):
+        draws[i] = keep[i] * draws[i - 1] + np.sqrt(1 - keep[i] ** 2) * draws[i]
+    return sd * draws

@@ -1,0 +1,182 @@
+"""A scene's rods laid out in the buffer that the kernels work on."""
+
+from __future__ import annotations
+
+import mmap
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim import shapes
+from sim.errors import SceneError
+from sim.kernels import layout
+from sim.scene import Helix, Material, Rod, Scene, Straight
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class State:
+    """The buffer of all rods and where each lies in it.
+
+    Attributes
+    ----------
+    buf : (ROWS * PITCH,) float64
+        See `sim.kernels.layout`.
+    n : int
+        Number of indices in use, ghosts included.
+    first : list of int
+        Index of every rod's root node.
+    elements : list of int
+        Number of elements of every rod.
+    """
+
+    buf: Array
+    n: int
+    first: list[int]
+    elements: list[int]
+
+    def row(self, name: str) -> Array:
+        """Return the used part of one row as a view, (n,)."""
+        start = layout.ROW[name] * layout.PITCH
+        return self.buf[start : start + self.n]
+
+    def rows(self, names: str) -> Array:
+        """Return several rows by name, separated by blanks, as one (rows, n) copy."""
+        return np.stack([self.row(name) for name in names.split()])
+
+    def nodes(self, rod: int) -> slice:
+        """Return the indices of a rod's nodes."""
+        return slice(self.first[rod], self.first[rod] + self.elements[rod] + 1)
+
+    def strands(self) -> list[Array]:
+        """Return the centreline of every rod, (n, 3) [m], root to tip."""
+        positions = self.rows("X0 X1 X2").T
+        return [positions[self.nodes(rod)].copy() for rod in range(len(self.first))]
+
+    def rod_of_element(self) -> NDArray[np.int32]:
+        """Return the rod that every element belongs to, -1 for ghosts."""
+        rod = np.full(self.n, -1, np.int32)
+        for number, (first, count) in enumerate(zip(self.first, self.elements, strict=True)):
+            rod[first : first + count] = number
+        return rod
+
+
+def empty_buffer() -> Array:
+    """Return a zeroed buffer whose memory the system hands out only where it is touched."""
+    return np.frombuffer(mmap.mmap(-1, 8 * layout.ROWS * layout.PITCH), dtype=np.float64)
+
+
+def build(scene: Scene) -> State:
+    """Lay out the rods of a scene, at rest.
+
+    Raises
+    ------
+    SceneError
+        There are more elements than the buffer holds, or a rod has an element without length.
+    """
+    elements = [_element_count(rod) for rod in scene.rods]
+    # Index 0 is a ghost, so that every node has an element before it.
+    first = list(1 + np.concatenate([[0], np.cumsum(np.array(elements[:-1], int) + 1)]).astype(int))
+    n = int(first[-1] + elements[-1] + 1)
+    if n >= layout.CAPACITY:
+        raise SceneError(f"rods: {sum(elements)} elements; at most {layout.CAPACITY} fit")
+    state = State(empty_buffer(), n, first, elements)
+    for name in ("Q00", "Q11", "Q22"):
+        state.row(name)[:] = 1.0
+    for number, rod in enumerate(scene.rods):
+        _fill_rod(state, number, rod, scene)
+    return state
+
+
+def _element_count(rod: Rod) -> int:
+    return rod.elements if isinstance(rod.shape, Helix | Straight) else len(rod.shape.nodes) - 1
+
+
+def centreline(rod: Rod) -> Array:
+    """Return the nodes of a rod as drawn, (elements + 1, 3) [m]."""
+    shape = rod.shape
+    if isinstance(shape, Helix):
+        return shapes.helix(shape.radius, shape.pitch, shape.height, rod.elements, shape.phase)
+    if isinstance(shape, Straight):
+        return shapes.straight(
+            np.array(shape.root), np.array(shape.direction), shape.length, rod.elements
+        )
+    return np.array(shape.nodes, float)
+
+
+def _fill_rod(state: State, number: int, rod: Rod, scene: Scene) -> None:
+    nodes = centreline(rod)
+    lengths = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
+    if not lengths.min() > 0:
+        raise SceneError(
+            f"rods.{number}.shape: element {int(np.argmin(lengths))} has no length; "
+            "two neighbouring nodes coincide"
+        )
+    at = state.nodes(number)
+    within = slice(at.start, at.stop - 1)
+    directors = shapes.frames(nodes)
+    for axis in range(3):
+        state.row(f"X{axis}")[at] = nodes[:, axis]
+        for k in range(3):
+            state.row(f"Q{axis}{k}")[within] = directors[:, axis, k]
+    _fill_elements(state, within, rod, lengths, scene.rotary_inertia)
+    _fill_nodes(state, at, rod, lengths)
+    _fill_vertices(
+        state, at, rod, lengths, directors, np.random.default_rng([scene.seed, 2, number])
+    )
+    if rod.clamp == "root":
+        state.row("INV_MASS")[at.start] = 0.0
+        state.row("INV_J1")[at.start] = state.row("INV_J3")[at.start] = 0.0
+
+
+def _fill_elements(state: State, at: slice, rod: Rod, lengths: Array, rotary_inertia: str) -> None:
+    material, radius = rod.material, rod.radius
+    area, second_moment = np.pi * radius**2, np.pi * radius**4 / 4
+    shear_modulus = material.E / (2 * (1 + material.nu))
+    inertia = material.density * second_moment * lengths
+    polar = 2 * inertia
+    if rotary_inertia == "element":
+        # An element's own extent: vanishes as its length squared, and lengthens the time step.
+        inertia = inertia + material.density * area * lengths**3 / 12
+    state.row("LENGTH")[at], state.row("INV_LENGTH")[at] = lengths, 1 / lengths
+    state.row("RADIUS")[at] = radius
+    state.row("SHEAR")[at] = material.shear_coefficient * shear_modulus * area
+    state.row("STRETCH")[at] = material.E * area
+    state.row("INV_J1")[at], state.row("INV_J3")[at] = 1 / inertia, 1 / polar
+    state.row("J_RATIO")[at] = polar / inertia - 1
+
+
+def _fill_nodes(state: State, at: slice, rod: Rod, lengths: Array) -> None:
+    line_density = rod.material.density * np.pi * rod.radius**2
+    padded = np.concatenate([[0], lengths, [0]])
+    mass = line_density * 0.5 * (padded[:-1] + padded[1:])
+    state.row("MASS")[at], state.row("INV_MASS")[at] = mass, 1 / mass
+    state.row("PREVIOUS")[at.start + 1 : at.stop] = 1.0
+    state.row("NEXT")[at.start : at.stop - 1] = 1.0
+
+
+def _fill_vertices(
+    state: State, at: slice, rod: Rod, lengths: Array, directors: Array, rng: np.random.Generator
+) -> None:
+    inner = slice(at.start + 1, at.stop - 1)
+    voronoi = 0.5 * (lengths[:-1] + lengths[1:])
+    bend, twist = rigidities(rod.material, rod.radius)
+    state.row("INV_VORONOI")[inner] = 1 / voronoi
+    state.row("BEND")[inner], state.row("TWIST")[inner] = bend, twist
+    rest = (
+        shapes.curvature(directors, voronoi) if rod.rest == "drawn" else np.zeros((len(voronoi), 3))
+    )
+    if rod.curvature is not None:
+        rest[:, :2] += shapes.random_curvature(
+            voronoi, rod.curvature.sd, rod.curvature.correlation, rng=rng
+        )
+    for axis in range(3):
+        state.row(f"K{axis}")[inner] = rest[:, axis]
+
+
+def rigidities(material: Material, radius: float) -> tuple[float, float]:
+    """Return the bending rigidity B = E I and the twisting rigidity C = G J [N m^2]."""
+    second_moment = np.pi * radius**4 / 4
+    return material.E * second_moment, material.E / (1 + material.nu) * second_moment
