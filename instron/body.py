@@ -56,8 +56,8 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
         return None
     values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
     gaps = [i for i in header.used() if np.isnan(values[i]).any()]
-    extra = range(len(header.names), header.width)
-    if (gaps and len(header.specimens) == 1) or any(table[i].notna().any() for i in extra):
+    torn = header.first_unnamed() in table and table[header.first_unnamed()].notna().any()
+    if torn or (gaps and len(header.specimens) == 1):
         return None
     if not _first_row_agrees(source, header, delimiter, mark, values):
         return None
@@ -172,24 +172,30 @@ def _walk(
 def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], int, list[str]]:
     """Return the lines of the rows under a header and the line at which they stop."""
     lines, used, rows = source.lines, header.used(), []
-    width = len(header.names)
+    width = header.first_unnamed()
     for number in range(header.first_row, len(lines)):
         line = lines[number]
         if not line.strip(" \t,;|\"'"):
             continue
         cells = split_cells(line, delimiter)
-        if len(cells) > width and any(cells[width:]):
+        if len(cells) > width and cells[width]:
             _refuse_wide(source, number, len(cells), width)
+        if line.count('"') % 2 and not _is_last_and_open(source, number):
+            raise Unreadable(f"{source.path}: line {number + 1}: a quote is not closed")
         if _PLAIN_ROW.fullmatch(line) or is_row(cells, used):
             rows.append(number)
             continue
-        if number == len(lines) - 1 and not source.ends_in_newline():
+        if _is_last_and_open(source, number):
             break
         _refuse_damaged(source, number, cells, used)
         return rows, number, []
     return *_without_cut_row(source, header, rows, delimiter), _notes(
         source, header, rows, delimiter
     )
+
+
+def _is_last_and_open(source: Source, number: int) -> bool:
+    return number == len(source.lines) - 1 and not source.ends_in_newline()
 
 
 def _refuse_wide(source: Source, number: int, found: int, width: int) -> None:

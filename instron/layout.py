@@ -7,6 +7,7 @@ from instron.numerals import looks_numeric
 from instron.words import (
     QUANTITIES,
     is_unit,
+    lengthens,
     plain,
     quantity_of,
     rank,
@@ -44,6 +45,10 @@ class Header:
     def used(self) -> list[int]:
         """Return the indices of all used columns."""
         return sorted({c.index for specimen in self.specimens for c in specimen.values()})
+
+    def first_unnamed(self) -> int:
+        """Return the column right of the last name; numbers in it mean cells were torn apart."""
+        return max(i for i, name in enumerate(self.names) if name or i in self.used()) + 1
 
 
 def split_cells(line: str, delimiter: str) -> list[str]:
@@ -104,7 +109,8 @@ def _units_row(lines: list[str], number: int, delimiter: str) -> tuple[list[str]
     cells = split_cells(lines[number], delimiter)
     filled = [cell for cell in cells if cell]
     known = sum(is_unit(cell) for cell in filled)
-    if filled and known and 2 * known >= len(filled) and not any(map(looks_numeric, filled)):
+    bracketed = all(cell[0] in "([<{" for cell in filled)
+    if known and (bracketed or 2 * known >= len(filled)) and not any(map(looks_numeric, filled)):
         return cells, _skip_blank(lines, number + 1)
     return None, number
 
@@ -136,6 +142,7 @@ def find_specimens(names: list[str], units: list[str] | None) -> tuple[list[Spec
 
 def _candidates(names: list[str], units: list[str] | None) -> dict[str, list[Channel]]:
     found: dict[str, list[Channel]] = {q: [] for q in QUANTITIES}
+    gauges: list[Channel] = []
     for index, cell in enumerate(names):
         name, unit = split_unit(cell)
         below = units[index] if units is not None and index < len(units) else ""
@@ -145,6 +152,9 @@ def _candidates(names: list[str], units: list[str] | None) -> dict[str, list[Cha
         quantity = quantity_of(name)
         if quantity and _fits(quantity, unit):
             found[quantity].append(Channel(index, name or cell, unit))
+        elif lengthens(name) and unit and (unit_of(unit) or "")[:1] == ("displacement",):
+            gauges.append(Channel(index, name, unit))
+    found["displacement"] = found["displacement"] or gauges
     return found
 
 

@@ -12,6 +12,7 @@ from instron.words import plain, split_unit, unit_of
 MAXIMUM = re.compile(r"\b(max|maximum|maximale?|maxima|peak|hochst\w*|fmax|ultimate)\b")
 LOAD = re.compile(r"\b(load|force|kraft|last|carga|charge|forza|fmax)\b")
 ELSEWHERE = re.compile(r"\b(at|bei|a|en|per|of|extension|strain|stress|displacement|time|zeit)\b")
+_WORDS = re.compile(r"[^\W\d_]{3}")
 LABEL = re.compile(r"specimen (label|name|id)|sample (name|id|label)|^specimen$|^sample$|probe\b")
 
 
@@ -70,11 +71,12 @@ def stated_maxima(lines: list[str], delimiter: str) -> list[StatedMaximum]:
     """Return every maximum load stated in these lines, in key-value or table form."""
     found = []
     for number, line in enumerate(lines):
+        if not _WORDS.search(line) or not MAXIMUM.search(plain(line)):
+            continue
         cells = split_cells(line, delimiter)
         for index, cell in enumerate(cells):
-            if not _is_maximum_load(cell):
-                continue
-            found += _beside(cells, index, number) or _below(lines, number, index, delimiter)
+            if _is_maximum_load(cell):
+                found += _beside(cells, index, number) or _below(lines, number, index, delimiter)
     return found
 
 

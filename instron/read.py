@@ -60,7 +60,7 @@ def read(
     path = Path(path)
     source = open_source(path)
     delimiter, header = _find(source, columns)
-    bodies = _with_time(read_bodies(source, header, delimiter))
+    bodies = _logs_only(read_bodies(source, header, delimiter))
     lines = source.head()[: header.line] if len(bodies) == 1 else source.lines
     stated = stated_maxima(lines, delimiter)
     tables = [
@@ -120,10 +120,10 @@ def _why_no_header(lines: list[str]) -> str:
     )
 
 
-def _with_time(bodies: list[Body]) -> list[Body]:
-    """Leave out tables without time where others have it: those are results, not logs."""
-    timed = [b for b in bodies if all("time" in s for s in b.header.specimens)]
-    return timed or bodies
+def _logs_only(bodies: list[Body]) -> list[Body]:
+    """Leave out results: tables of a row or two, or without time, where others are longer."""
+    long = [b for b in bodies if len(b.lines) > 2] or bodies
+    return [b for b in long if all("time" in s for s in b.header.specimens)] or long
 
 
 def _table(

@@ -69,6 +69,11 @@ GAUGE = set(
     "extensometer strain gauge gage video dic ave laser optical wegaufnehmer feindehnung"
     " extensometre extensometro le".split()
 )
+# Read as displacement only when the unit is a length and no better column exists.
+LENGTHENING = set(
+    "dehnung verformung deformation deformacion deformazione deformacao extensometer strain"
+    " extensometre extensometro wegaufnehmer".split()
+)
 SECONDARY = set("step segment corrected compensated korrigiert secondary aux auxiliary".split())
 
 UNITS = {
@@ -179,6 +184,11 @@ def quantity_of(name: str) -> str | None:
         if tokens & WORDS[quantity] or any(plain(piece) in bare for piece in PIECES[quantity]):
             return quantity
     return None
+
+
+def lengthens(name: str) -> bool:
+    """Tell whether the name could be a length change, given that its unit is a length."""
+    return bool(set(plain(name).split()) & LENGTHENING)
 
 
 def rank(name: str) -> int:
