@@ -95,7 +95,8 @@ def render(
         return _drawn_in_tiles(plotter, camera, supersampling)
 
 
-def _pyvista() -> Any:
+def load_pyvista() -> Any:
+    """Import pyvista, or say in one line how to get it."""
     try:
         import pyvista
     except ImportError as error:
@@ -105,7 +106,7 @@ def _pyvista() -> Any:
 
 @contextmanager
 def _plotter(camera: Camera, background: Sequence[float]) -> Iterator[Any]:
-    pyvista = _pyvista()
+    pyvista = load_pyvista()
     from vtkmodules.vtkCommonCore import vtkLogger
 
     # VTK complains about an absent screen before it falls back to drawing without one.
@@ -160,7 +161,7 @@ def _light(plotter: Any, pyvista: Any, camera: Camera) -> None:
 
 
 def _add_tube(plotter: Any, strand: Array, radius: float, colour: Sequence[float]) -> None:
-    line = _pyvista().lines_from_points(np.asarray(strand))
+    line = load_pyvista().lines_from_points(np.asarray(strand))
     tube = line.tube(radius=radius, n_sides=SIDES, capping=True)
     plotter.add_mesh(
         tube,
@@ -175,7 +176,7 @@ def _add_tube(plotter: Any, strand: Array, radius: float, colour: Sequence[float
 
 
 def _add_props(plotter: Any, tine: Tine | None, clamp: Clamp | None, marker: Marker | None) -> None:
-    pyvista = _pyvista()
+    pyvista = load_pyvista()
     # Matt black, as one paints what must not shine beside coloured strands.
     black = {"color": (0.1, 0.1, 0.1), "ambient": 0.4, "diffuse": 0.4, "reset_camera": False}
     if tine is not None:
@@ -201,7 +202,7 @@ def _quad(marker: Marker) -> Any:
     )
     corner = np.asarray(marker.corner) - cell * (np.asarray(marker.right) + np.asarray(marker.down))
     corners = np.array([corner + down, corner + down + right, corner + right, corner])
-    quad = _pyvista().PolyData(corners, faces=[4, 0, 1, 2, 3])
+    quad = load_pyvista().PolyData(corners, faces=[4, 0, 1, 2, 3])
     quad.active_texture_coordinates = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
     return quad
 
@@ -211,4 +212,4 @@ def _pattern(marker: Marker) -> Any:
     side = 32 * MARKER_CELLS
     pattern = cv2.aruco.generateImageMarker(dictionary, marker.number, side)
     framed = cv2.copyMakeBorder(pattern, 32, 32, 32, 32, cv2.BORDER_CONSTANT, value=255)
-    return _pyvista().numpy_to_texture(np.repeat(framed[..., None], 3, axis=2))
+    return load_pyvista().numpy_to_texture(np.repeat(framed[..., None], 3, axis=2))

@@ -2,17 +2,19 @@
 
 import hashlib
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_EXCEPTION, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
 from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from tqdm import tqdm
 
 import sim
 
+Key = TypeVar("Key")
 POLL = 0.2  # seconds between two looks at the progress of the runs
 _fractions: Any = None
 
@@ -33,19 +35,16 @@ def run_name(scene: sim.Scene) -> str:
     return hashlib.sha256(content.encode()).hexdigest()[:16] + ".nc"
 
 
-def simulate_all(
-    scenes: Mapping[Path, sim.Scene] | Mapping[str, sim.Scene],
-    folder: Path,
-    *,
-    jobs: int | None = None,
-    quiet: bool = False,
-) -> dict[Any, sim.Run]:
-    """Simulate scenes in processes of their own and open the runs.
+@contextmanager
+def simulating(
+    scenes: Mapping[Key, sim.Scene], folder: Path, *, jobs: int | None = None, quiet: bool = False
+) -> Iterator[Callable[[], dict[Key, sim.Run]]]:
+    """Simulate scenes in processes of their own while the block does something else.
 
     Parameters
     ----------
     scenes : mapping
-        Scenes by any key; the same scene under two keys is run once.
+        Scenes by any key; the same scene under two keys is run once. The longest should be first.
     folder : Path
         Where the runs are kept, one NetCDF file each, named by `run_name`.
     jobs : int, optional
@@ -53,43 +52,48 @@ def simulate_all(
     quiet : bool
         Show no progress.
 
-    Returns
-    -------
-    dict
-        `sim.Run` by the keys of `scenes`.
-
-    Raises
+    Yields
     ------
-    sim.SceneError, sim.Unstable
-        What a scene raises. Runs that were finished before stay on disk.
+    callable
+        Waits for the runs, showing progress, and returns them by the keys of `scenes`. It raises
+        what a scene raises (sim.SceneError, sim.Unstable); finished runs stay on disk.
     """
     paths = {key: folder / run_name(scene) for key, scene in scenes.items()}
     missing = {paths[key]: scene for key, scene in scenes.items() if not paths[key].exists()}
-    if missing:
-        folder.mkdir(parents=True, exist_ok=True)
-        _simulate_missing(missing, min(len(missing), jobs or os.cpu_count() or 1), quiet)
-    return {key: sim.open_run(path) for key, path in paths.items()}
 
+    def opened() -> dict[Key, sim.Run]:
+        return {key: sim.open_run(path) for key, path in paths.items()}
 
-def _simulate_missing(missing: Mapping[Path, sim.Scene], jobs: int, quiet: bool) -> None:
+    if not missing:
+        yield opened
+        return
     context = get_context("spawn")
     fractions = context.Array("d", len(missing))
-    with ProcessPoolExecutor(jobs, context, _adopt, (fractions,)) as pool:
+    workers = min(len(missing), jobs or os.cpu_count() or 1)
+    with ProcessPoolExecutor(workers, context, _adopt, (fractions,)) as pool:
         futures = [
             pool.submit(_simulate, number, scene, path)
             for number, (path, scene) in enumerate(missing.items())
         ]
-        try:
+
+        def finished() -> dict[Key, sim.Run]:
             _watch(futures, fractions, quiet)
+            return opened()
+
+        try:
+            yield finished
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for process in list(pool._processes.values()):
+                process.terminate()
             raise
 
 
 def _watch(futures: list[Future], fractions: Any, quiet: bool) -> None:
     total = len(futures)
-    with tqdm(total=100.0, desc=f"simulating {total} scenes", unit="%", disable=quiet) as bar:
-        bar.bar_format = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+    layout = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+    name = f"simulating {total} scene{'s' if total > 1 else ''}"
+    with tqdm(total=100.0, desc=name, bar_format=layout, mininterval=1, disable=quiet) as bar:
         running = set(futures)
         while running:
             done, running = wait(running, timeout=POLL, return_when=FIRST_EXCEPTION)

@@ -7,7 +7,7 @@ import difflib
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import pandas as pd
 from pydantic import (
@@ -128,6 +128,8 @@ class LinkSet(_Photographs):
         Tine displacement d [m] of each photograph, or a CSV table with columns photo and d.
     before : Path, optional
         Photograph before the tine was inserted: the reference link density.
+    root : str
+        Side of the picture where the clamp is: top, bottom, left or right.
     marker_side, pixel_size : float
         Scale of the photographs: side of the ArUco marker in them [m], or size of a pixel [m].
     simulation : Path, optional
@@ -138,6 +140,7 @@ class LinkSet(_Photographs):
 
     positions: FileOrNumbers
     before: File | None = None
+    root: Literal["top", "bottom", "left", "right"] = "top"
     simulation: File | None = None
 
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+NOISE = 0.004  # N
+
 
 @dataclass(frozen=True)
 class LoadCell:
@@ -63,5 +65,5 @@ def record(
 def draw_cell(rng: np.random.Generator) -> LoadCell:
     """Draw a load cell as it stands on the day: a 10 N cell that was zeroed, but not just now."""
     return LoadCell(
-        offset=float(rng.normal(0, 0.02)), drift=float(rng.normal(0, 0.01)), noise=0.004
+        offset=float(rng.normal(0, 0.02)), drift=float(rng.normal(0, 0.01)), noise=NOISE
     )

@@ -1,13 +1,14 @@
 """Photographs of simulated strands as a camera on a tripod would take them."""
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image
+from scipy.interpolate import CubicSpline
 
 from combing.camera import Array, Camera, Sensor, back_project, expose, facing, project
 from combing.render import Clamp, Marker, Tine, render
@@ -16,34 +17,64 @@ DISTANCE = 0.7
 MARGIN = 60  # pixels round what is to be seen
 CLAMP_HEIGHT = 0.006
 MARKER_SIDE = 0.008
+MARKER_GAP = 0.006  # from the axis of the clamp to the marker
 CLOTH = (0.09, 0.09, 0.09)
 NYLON = [(0.85, 0.13, 0.1), (0.1, 0.32, 0.85)]
 JPEG_QUALITY = 92
+FINER = 8
+UP = np.array([0.0, 0, 1])
 
 
-def frame(configurations: Iterable[Sequence[Array]], towards: Array, pixel_size: float) -> Camera:
-    """Place a camera so that hanging strands fill an upright picture in every configuration.
+def smooth(strand: Array) -> Array:
+    """Lay a cubic spline through a strand's nodes: what hangs before the camera has no corners."""
+    lengths = np.linalg.norm(np.diff(strand, axis=0), axis=1)
+    at = np.concatenate([[0], np.cumsum(lengths)])
+    nodes = np.arange(len(strand))
+    finer = np.interp(np.linspace(0, nodes[-1], FINER * nodes[-1] + 1), nodes, at)
+    return CubicSpline(at, strand)(finer)
+
+
+def broadside(strands: Sequence[Array]) -> Array:
+    """Horizontal direction from which hanging strands show their bends: that of least spread."""
+    points = np.concatenate(list(strands))[:, :2]
+    values, vectors = np.linalg.eigh(np.cov(points.T))
+    return np.append(vectors[:, np.argmin(values)], 0.0)
+
+
+def marker_beside_clamp(strands: Sequence[Array], towards: Array) -> Marker:
+    """Return a marker level with the clamp, on the side that the strands leave free."""
+    right = np.cross(UP, towards)
+    across = np.concatenate(list(strands)) @ right
+    start = MARKER_GAP if across.max() < -across.min() else -MARKER_GAP - MARKER_SIDE
+    return Marker(corner=start * right + 0.001 * UP, right=right, down=-UP, side=MARKER_SIDE)
+
+
+def frame(strands: Sequence[Array], towards: Array, pixel_size: float) -> Camera:
+    """Place a camera so that hanging strands, their clamp and the marker fill the picture.
 
     Parameters
     ----------
-    configurations : iterable of lists of (n, 3) arrays
+    strands : sequence of (n, 3) arrays
         Strands [m] that hang from the origin along -z.
     towards : (3,) array
         Horizontal direction from the strands to the camera.
     pixel_size : float
-        Size of a pixel in the plane of the clamp that faces the camera [m].
+        Size of a pixel in the vertical plane through the clamp that faces the camera [m].
     """
-    points = np.concatenate([strand for strands in configurations for strand in strands])
-    right = np.cross([0, 0, 1], towards)
-    half = max(np.abs(points @ right).max() * 1.05, 1.7 * MARKER_SIDE)
-    top, bottom = CLAMP_HEIGHT / 2, points[:, 2].min()
-    width = 2 * int(np.ceil(half / pixel_size) + MARGIN)
-    height = int(np.ceil((top - bottom) / pixel_size)) + MARGIN
-    centre = np.array([0, 0, (top + bottom - MARGIN * pixel_size) / 2])
-    up = np.array([0.0, 0, 1])
-    return facing(
-        centre, towards, up, distance=DISTANCE, pixel_size=pixel_size, size=(width, height)
-    )
+    marker = marker_beside_clamp(strands, towards)
+    far = marker.corner + 1.2 * MARKER_SIDE * np.array([marker.right, marker.down])
+    wanted = np.concatenate([*strands, far, [marker.corner - 0.2 * MARKER_SIDE * marker.right]])
+    wanted = np.vstack([wanted, CLAMP_HEIGHT / 2 * UP])
+    camera = facing(np.zeros(3), towards, UP, distance=DISTANCE, pixel_size=pixel_size, size=(2, 2))
+    for _ in range(3):
+        seen = project(wanted, camera)
+        low, high = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN
+        centre = back_project((low + high)[None] / 2, camera, np.zeros(3), towards)[0]
+        width, height = (int(edge) for edge in np.ceil(high - low))
+        camera = facing(
+            centre, towards, UP, distance=DISTANCE, pixel_size=pixel_size, size=(width, height)
+        )
+    return camera
 
 
 def photograph(
@@ -65,23 +96,10 @@ def photograph(
         camera,
         tine=tine,
         clamp=Clamp(np.array([0, 0, CLAMP_HEIGHT / 2]), (width, width, CLAMP_HEIGHT)),
-        marker=marker_beside_clamp(camera),
+        marker=marker_beside_clamp(strands, -camera.axes[2]),
         background=CLOTH,
     )
     return expose(ideal, sensor or Sensor(), rng=rng)
-
-
-def marker_beside_clamp(camera: Camera) -> Marker:
-    """Return a marker in the upper right corner, in the vertical plane of the clamp."""
-    right, down, forward = camera.axes
-    corner = np.array([[camera.size[0] - MARGIN, MARGIN]])
-    at = back_project(corner, camera, np.zeros(3), forward)[0] - MARKER_SIDE * right
-    return Marker(corner=at, right=right, down=down, side=MARKER_SIDE)
-
-
-def seen(strands: Sequence[Array], camera: Camera) -> list[Array]:
-    """Project every strand to picture points (n, 2) [px]."""
-    return [project(strand, camera) for strand in strands]
 
 
 def save_photo(path: Path, pixels: NDArray[np.uint8], facts: dict[str, Any]) -> None:

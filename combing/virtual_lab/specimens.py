@@ -1,6 +1,7 @@
 """What is combed and photographed in the virtual lab: scenes with the scatter of real specimens."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -10,10 +11,12 @@ SEED = 20210309
 PI1 = 18.0
 RADIUS = 4.25e-4
 HEIGHT = 0.15
+YOUNG = 0.078 * 2.8e9
 PITCH_SCATTER = 0.02
 FRICTION = (0.1, 0.3)
 IMPERFECTION = 0.02
 REPEATS = 5
+SNAPSHOTS = 201
 
 HAIR_RADIUS = 7.5e-5
 HAIRS = 12
@@ -22,10 +25,10 @@ CURLS = 4
 
 @dataclass(frozen=True)
 class Specimen:
-    """A specimen: its name in file names, what varies, and the scene that it is."""
+    """A specimen: its name in file names, what sets it apart, and the scene that it is."""
 
     name: str
-    parameters: dict[str, float]
+    parameters: dict[str, Any]
     scene: sim.Scene
 
 
@@ -36,34 +39,36 @@ def helices() -> list[Specimen]:
 
 def curls() -> list[Specimen]:
     """Curls of twelve wavy hairs, each with its own curvatures and roots."""
-    return [_curl(f"curl_{number}", seed=SEED + number) for number in range(1, CURLS + 1)]
+    return [_curl(number) for number in range(1, CURLS + 1)]
 
 
 def study_scenes() -> dict[str, str]:
     """TOML of the scenes that the demo's study compares with the specimens, by file name."""
     helix = (
-        '# The paper\'s main case, frictionless.\npreset = "double_helix"\n'
-        f"pi1 = {PI1}\npi2 = 1.0\npi3 = 2.0\nheight = {HEIGHT}\n"
+        "# The paper's main case: no friction, no imperfection.\n"
+        f'preset = "double_helix"\npi1 = {PI1}\npi2 = 1.0\npi3 = 2.0\nheight = {HEIGHT}\n'
     )
-    curl = '# Twelve wavy hairs that hang and relax.\npreset = "curl"\nn = {n}\nseed = {seed}\n'
-    scenes = {
-        f"curl_{number}.toml": curl.format(n=HAIRS, seed=number) for number in range(1, CURLS + 1)
-    }
-    return {"double_helix.toml": helix, **scenes}
+    scenes = {"double_helix.toml": helix}
+    for number in range(1, CURLS + 1):
+        scenes[f"curl_{number}.toml"] = (
+            "# Twelve wavy hairs that hang and relax.\n"
+            f'preset = "curl"\nn = {HAIRS}\nseed = {number}\nsnapshots = 2\n'
+        )
+    return scenes
 
 
 def _helix(number: int) -> Specimen:
     rng = np.random.default_rng([SEED, number])
     parameters = {
-        "pi1": float(PI1 * (1 + PITCH_SCATTER * rng.standard_normal())),
-        "friction": float(rng.uniform(*FRICTION)),
+        "pi1": round(float(PI1 * (1 + PITCH_SCATTER * rng.standard_normal())), 3),
+        "friction": round(float(rng.uniform(*FRICTION)), 3),
         "imperfection": IMPERFECTION,
         "seed": SEED + number,
     }
-    scene = sim.double_helix(height=HEIGHT, **parameters)
-    return Specimen(f"combing_{number}", parameters, scene)
+    scene = sim.double_helix(height=HEIGHT, snapshots=SNAPSHOTS, **parameters)
+    return Specimen(f"synthetic_combing_{number}", parameters, scene)
 
 
-def _curl(name: str, seed: int) -> Specimen:
-    parameters: dict[str, float] = {"n": HAIRS, "seed": seed}
-    return Specimen(name, parameters, sim.curl(**parameters))
+def _curl(number: int) -> Specimen:
+    parameters = {"n": HAIRS, "seed": SEED + number}
+    return Specimen(f"synthetic_curl_{number}", parameters, sim.curl(snapshots=2, **parameters))

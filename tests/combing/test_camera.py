@@ -159,9 +159,9 @@ def test_tiles_join_without_a_seam(picture, monkeypatch):
     from combing import render
 
     monkeypatch.setattr(render, "TILE", 97)
-    whole = render.render(double_helix(), [RADIUS] * 2, [(1, 0, 0), (0, 0, 1)], front_camera())
-    monkeypatch.setattr(render, "TILE", 4096)
     tiled = render.render(double_helix(), [RADIUS] * 2, [(1, 0, 0), (0, 0, 1)], front_camera())
+    monkeypatch.setattr(render, "TILE", 4096)
+    whole = render.render(double_helix(), [RADIUS] * 2, [(1, 0, 0), (0, 0, 1)], front_camera())
     difference = np.abs(whole.astype(int) - tiled)
     # Edges are sampled at other places inside a pixel; no pixel changes from strand to cloth.
     assert difference.mean() < 0.1

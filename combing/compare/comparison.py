@@ -1,0 +1,73 @@
+"""What one comparison hands to the figures and the report."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import pandas as pd
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The result of comparing one or several sets of the same kind.
+
+    Attributes
+    ----------
+    plotted : DataFrame
+        Every plotted number, tidy, with columns set and source.
+    numbers : list of (caption, DataFrame)
+        Tables for the report.
+    errors : DataFrame
+        What each pipeline measured beside the truth: columns set, item, quantity, measured,
+        truth, error, unit; empty where no truth is known.
+    notes : list of str
+        What was left out or is doubtful, and why.
+    synthetic : bool
+        Whether the experiment says of itself that it is synthetic.
+    """
+
+    plotted: pd.DataFrame
+    numbers: list[tuple[str, pd.DataFrame]] = field(default_factory=list)
+    errors: pd.DataFrame = field(default_factory=pd.DataFrame)
+    notes: list[str] = field(default_factory=list)
+    synthetic: bool = False
+
+
+def joined(parts: Iterable[Comparison]) -> Comparison:
+    """Put the comparisons of several sets under each other; tables of one caption are joined."""
+    parts = list(parts)
+    captions = list(dict.fromkeys(caption for part in parts for caption, _ in part.numbers))
+    tables = [
+        (
+            wanted,
+            pd.concat([t for part in parts for caption, t in part.numbers if caption == wanted]),
+        )
+        for wanted in captions
+    ]
+    errors = [part.errors for part in parts if len(part.errors)]
+    return Comparison(
+        plotted=pd.concat([part.plotted for part in parts], ignore_index=True),
+        numbers=tables,
+        errors=pd.concat(errors, ignore_index=True) if errors else pd.DataFrame(),
+        notes=[note for part in parts for note in part.notes],
+        synthetic=any(part.synthetic for part in parts),
+    )
+
+
+def says_synthetic(facts: dict) -> bool:
+    """Tell whether the metadata of a file says that its content is synthetic."""
+    return "synthetic" in " ".join(f"{key} {value}" for key, value in facts.items()).lower()
+
+
+def error_row(
+    name: str, item: str, quantity: str, measured: float, truth: float, unit: str
+) -> dict[str, object]:
+    """Return one line of the table of errors against truth."""
+    return {
+        "set": name,
+        "item": item,
+        "quantity": quantity,
+        "measured": measured,
+        "truth": truth,
+        "error": measured - truth,
+        "unit": unit,
+    }

@@ -1,0 +1,169 @@
+"""N-body interactions of photographed and simulated curls, counted by the same rule."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import imaging
+import sim
+from combing.compare.comparison import Comparison, error_row, says_synthetic
+from combing.photographs import read_to_scale
+from combing.study import CurlSet
+from combing.tables import read_table
+
+
+def measure_curl(path: Path, chosen: CurlSet, n_sec: int) -> pd.DataFrame:
+    """Count the N-body interactions in one photograph.
+
+    Returns
+    -------
+    DataFrame
+        ``section, N, count, density`` [1/m]; ``attrs`` hold ``sample``, ``strands`` found,
+        ``crossings``, ``length`` [m] and ``synthetic``.
+
+    Raises
+    ------
+    imaging.Unmeasurable
+        If the photograph does not show at least two strands.
+    """
+    photo, pixel = read_to_scale(path, marker_side=chosen.marker_side, pixel_size=chosen.pixel_size)
+    strands = imaging.trace(imaging.segment(photo), photo)
+    found = count_interactions(strands, pixel, n_sec)
+    found.attrs |= {"sample": path.stem, "synthetic": says_synthetic(photo.exif)}
+    return found
+
+
+def count_interactions(
+    strands: Sequence[imaging.Strand | np.ndarray], unit: float, n_sec: int
+) -> pd.DataFrame:
+    """Count interactions of strands given in lengths of `unit` [m]; densities come out in 1/m."""
+    table = imaging.crossings(strands)
+    found = imaging.interactions(strands, n_sec, table=table)
+    found["density"] /= unit
+    found.attrs |= {
+        "strands": len(strands),
+        "crossings": int((table["kind"] == "inter").sum()),
+        "length": found.attrs["length"] * unit,
+    }
+    return found
+
+
+def project_curl(run: sim.Run) -> list[np.ndarray]:
+    """Project the settled curl on a vertical plane as a distant camera sees it, (n, 2) [m]."""
+    return [np.column_stack([-strand[:, 0], -strand[:, 2]]) for strand in run.strands(-1)]
+
+
+def compare_curl(
+    chosen: CurlSet, photographed: list[pd.DataFrame], runs: Mapping[Path, sim.Run], n_sec: int
+) -> Comparison:
+    """Compare the densities of photographed curls with those of simulated ones.
+
+    Parameters
+    ----------
+    chosen : CurlSet
+        From the study.
+    photographed : list of DataFrame
+        From `measure_curl`, in the order of ``chosen.photos``.
+    runs : mapping
+        Finished runs by the path that names them in the study.
+    n_sec : int
+        Sections each curl is cut into.
+    """
+    simulated = []
+    for path in chosen.simulations or []:
+        found = count_interactions(project_curl(runs[path]), 1.0, n_sec)
+        found.attrs |= {"sample": path.stem}
+        simulated.append(found)
+    parts = [_densities(chosen.name, "experiment", found) for found in photographed]
+    parts += [_densities(chosen.name, "simulation", found) for found in simulated]
+    plotted = _without_empty(pd.concat(parts, ignore_index=True))
+    return Comparison(
+        plotted=plotted,
+        numbers=[
+            ("Curls", _curls(chosen.name, photographed, simulated)),
+            ("Mean density of N-body interactions (1/m)", _means(plotted)),
+        ],
+        errors=_errors(chosen, photographed),
+        notes=_wrong_counts(chosen, photographed),
+        synthetic=any(found.attrs["synthetic"] for found in photographed),
+    )
+
+
+def _densities(name: str, source: str, found: pd.DataFrame) -> pd.DataFrame:
+    """Density over the whole curl of each N: count over length [1/m]."""
+    count = found.groupby("N")["count"].sum()
+    return pd.DataFrame(
+        {
+            "set": name,
+            "source": source,
+            "sample": found.attrs["sample"],
+            "N": count.index,
+            "count": count.to_numpy(),
+            "density": count.to_numpy() / found.attrs["length"],
+        }
+    )
+
+
+def _without_empty(plotted: pd.DataFrame) -> pd.DataFrame:
+    """Leave out the large N that no curl of either kind shows."""
+    seen = plotted.loc[plotted["count"] > 0, "N"]
+    return plotted[plotted["N"] <= max(seen.max() if len(seen) else 2, 3)].reset_index(drop=True)
+
+
+def _curls(
+    name: str, photographed: list[pd.DataFrame], simulated: list[pd.DataFrame]
+) -> pd.DataFrame:
+    rows = []
+    for source, curls in (("photograph", photographed), ("simulation", simulated)):
+        for found in curls:
+            facts = found.attrs
+            rows.append(
+                {
+                    "set": name,
+                    "curl": f"{source} {facts['sample']}",
+                    "strands": facts["strands"],
+                    "crossings": facts["crossings"],
+                    "interactions": int(found["count"].sum()),
+                    "length (m)": facts["length"],
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def _means(plotted: pd.DataFrame) -> pd.DataFrame:
+    summary = plotted.groupby(["set", "source", "N"])["density"].agg(["mean", "std"]).reset_index()
+    wide = summary.pivot(index=["set", "N"], columns="source", values=["mean", "std"])
+    wide.columns = [f"{source}, {'sd' if what == 'std' else what}" for what, source in wide.columns]
+    return wide.reset_index()
+
+
+def _wrong_counts(chosen: CurlSet, photographed: list[pd.DataFrame]) -> list[str]:
+    if chosen.strands is None:
+        return []
+    return [
+        f"{chosen.name}, {found.attrs['sample']}: {found.attrs['strands']} strands found "
+        f"where there are {chosen.strands}"
+        for found in photographed
+        if found.attrs["strands"] != chosen.strands
+    ]
+
+
+def _errors(chosen: CurlSet, photographed: list[pd.DataFrame]) -> pd.DataFrame:
+    if chosen.truth is None:
+        return pd.DataFrame()
+    truth = read_table(chosen.truth, ["photo", "section", "N", "count"])
+    rows = []
+    for found in photographed:
+        label = found.attrs["sample"]
+        true = truth[truth["photo"] == label].groupby("N")["count"].sum()
+        measured = found.groupby("N")["count"].sum()
+        rows += [
+            error_row(
+                chosen.name, label, f"count, N = {n}", float(measured.get(n, 0)), float(k), ""
+            )
+            for n, k in true.items()
+            if k > 0 or measured.get(n, 0) > 0
+        ]
+    return pd.DataFrame(rows)

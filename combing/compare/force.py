@@ -1,0 +1,187 @@
+"""f(x) of the experiment over the simulation's over Love's: one operator for all force logs."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import instron
+import sim
+from combing.compare.comparison import Comparison, error_row, says_synthetic
+from combing.errors import UserError
+from combing.metrics import compare_curves
+from combing.study import ForceSet
+from combing.tables import read_table
+
+GRID = np.linspace(0, 1, 501)
+ROOM = 1.3  # Love's curve is followed to this multiple of the largest measured force
+
+
+def measure_force(chosen: ForceSet) -> list[pd.DataFrame]:
+    """Scale every force log of a set.
+
+    Raises
+    ------
+    instron.RigError, instron.Unreadable, instron.Unscalable
+        If the rig or a log is at fault.
+    """
+    rig = instron.load_rig(chosen.rig)
+    return [instron.scale(log, rig) for path in chosen.logs for log in instron.read(path)]
+
+
+def compare_force(
+    chosen: ForceSet, curves: list[pd.DataFrame], runs: Mapping[Path, sim.Run]
+) -> Comparison:
+    """Compare a set's scaled curves with its simulation and with Love's curve.
+
+    Parameters
+    ----------
+    chosen : ForceSet
+        From the study.
+    curves : list of DataFrame
+        From `measure_force`.
+    runs : mapping
+        Finished runs by the path that names them in the study.
+    """
+    rig = instron.load_rig(chosen.rig)
+    experiment, numbers = _experiment(chosen.name, curves)
+    parts, apart = [experiment], []
+    notes = [
+        f"{chosen.name}, {_label(curve)}: {warning}"
+        for curve in curves
+        for warning in curve.attrs.get("warnings", [])
+    ]
+    if chosen.simulation is not None:
+        simulated = scale_run(runs[chosen.simulation], rig)
+        parts.append(
+            _rows(chosen.name, "simulation", "run", GRID, instron.on_grid(simulated, GRID))
+        )
+        numbers.append(_facts(chosen.name, "simulation", simulated))
+        apart = _distances(chosen.name, curves, simulated)
+    theory, remark = _theory(chosen, rig, curves)
+    return Comparison(
+        plotted=pd.concat([*parts, *theory], ignore_index=True),
+        numbers=[
+            ("Force peak, work and distance", pd.DataFrame(numbers)),
+            ("Simulation against every repeat", pd.DataFrame(apart)),
+        ],
+        errors=_errors(chosen, curves, rig),
+        notes=notes + remark,
+        synthetic=any(says_synthetic(curve.attrs.get("metadata", {})) for curve in curves),
+    )
+
+
+def scale_run(run: sim.Run, rig: instron.Rig) -> pd.DataFrame:
+    """Scale a simulation's force log by the rules of the rig and the rigidity of its own rods."""
+    log = run.force_log()
+    own = rig.model_copy(
+        update={"r": log.attrs["r"], "E": log.attrs["E"], "B": None, "zero": "none"}
+    )
+    return instron.scale(log, own)
+
+
+def _experiment(name: str, curves: list[pd.DataFrame]) -> tuple[pd.DataFrame, list[dict]]:
+    if len(curves) == 1:
+        f = instron.on_grid(curves[0], GRID)
+        nothing = np.full_like(f, np.nan)
+        mean, representative = (f, nothing), f
+        table = [_facts(name, "experiment", curves[0])]
+    else:
+        found = instron.repeats(curves)
+        mean = (found.grid["mean"].to_numpy(), found.grid["sd"].to_numpy())
+        representative = found.curves[found.representative]
+        table = [_facts(name, f"experiment, {_label(curve)}", curve) for curve in curves]
+        table.append(_average(name, table))
+    rows = [
+        _rows(name, "experiment", "mean", GRID, *mean),
+        _rows(name, "experiment", "representative", GRID, representative),
+    ]
+    return pd.concat(rows), table
+
+
+def _rows(
+    name: str, source: str, curve: str, x: np.ndarray, f: np.ndarray, sd: np.ndarray | None = None
+) -> pd.DataFrame:
+    spread = np.nan if sd is None else sd
+    return pd.DataFrame(
+        {"set": name, "source": source, "curve": curve, "x": x, "f": f}
+        | {"low": f - spread, "high": f + spread}
+    )
+
+
+def _label(curve: pd.DataFrame) -> str:
+    return Path(str(curve.attrs.get("source", "log"))).stem
+
+
+def _facts(name: str, what: str, curve: pd.DataFrame) -> dict:
+    keys = {"f_max": "f_max", "w": "w", "D (m)": "D", "sd of F (N)": "noise"}
+    inside = curve[curve["x"] <= 1]
+    events = instron.events(curve)
+    return {
+        "set": name,
+        "curve": what,
+        **{shown: float(curve.attrs[key]) for shown, key in keys.items()},
+        "x of f_max": float(inside["x"].to_numpy()[inside["f"].argmax()]),
+        "jams and peaks": int((events["kind"] != "plateau").sum()),
+    }
+
+
+def _average(name: str, rows: list[dict]) -> dict:
+    table = pd.DataFrame(rows).drop(columns=["set", "curve"])
+    mean = {column: float(value) for column, value in table.mean().items()}
+    return {"set": name, "curve": f"experiment, mean of {len(rows)}", **mean}
+
+
+def _distances(name: str, curves: list[pd.DataFrame], simulated: pd.DataFrame) -> list[dict]:
+    """Metrics of the simulation against every repeat: no metric is read off the mean curve."""
+    rows = [
+        {"set": name, "experiment": _label(curve)} | compare_curves(curve, simulated, iso=False)
+        for curve in curves
+    ]
+    if len(rows) > 1:
+        mean = pd.DataFrame(rows).drop(columns=["set", "experiment"]).mean()
+        rows.append({"set": name, "experiment": "mean"} | {k: float(v) for k, v in mean.items()})
+    return rows
+
+
+def _theory(
+    chosen: ForceSet, rig: instron.Rig, curves: list[pd.DataFrame]
+) -> tuple[list[pd.DataFrame], list[str]]:
+    """Love's curves over the mean D of the experiment, or the reason why there are none."""
+    length = chosen.active_length
+    if length is None and rig.pitch is not None and rig.turns is not None:
+        length = rig.pitch * rig.turns
+    if length is None or rig.pitch is None or rig.helix_radius is None:
+        return [], [f"{chosen.name}: no theory curve: the rig does not give the helix's shape"]
+    D = float(np.mean([curve.attrs["D"] for curve in curves]))
+    top = ROOM * max(curve.attrs["f_max"] for curve in curves)
+    drawn = [
+        instron.theory_curve(rig, length, D, ends=ends, f_limit=top).assign(curve=ends)
+        for ends in ("free", "blocked")
+    ]
+    parts = [
+        _rows(chosen.name, "theory", c["curve"].iloc[0], c["x"].to_numpy(), c["f"].to_numpy())
+        for c in drawn
+    ]
+    return parts, []
+
+
+def _errors(chosen: ForceSet, curves: list[pd.DataFrame], rig: instron.Rig) -> pd.DataFrame:
+    if chosen.truth is None:
+        return pd.DataFrame()
+    truth = read_table(chosen.truth, ["log", "time", "displacement", "force"])
+    exact = rig.model_copy(update={"zero": "none"})
+    rows = []
+    for curve in curves:
+        label = _label(curve)
+        log = truth[truth["log"] == label]
+        if log.empty:
+            raise UserError(f"{chosen.truth}: holds no rows with log = {label}")
+        true = instron.scale(log.reset_index(drop=True), exact)
+        facts = (("f_max", "f_max", ""), ("w", "w", ""), ("D", "D", "m"))
+        rows += [
+            error_row(chosen.name, label, shown, curve.attrs[key], true.attrs[key], unit)
+            for shown, key, unit in facts
+        ]
+    return pd.DataFrame(rows)

@@ -1,0 +1,192 @@
+"""lambda(s) at several places of the tine: photographed, simulated, and simulated but photographed.
+
+A simulation is measured twice: exactly, by the topology of its strands in space, and through the
+camera, by rendering a photograph of it. The difference is the error of the imaging.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import imaging
+import sim
+from combing.compare.comparison import Comparison, error_row, says_synthetic
+from combing.errors import UserError
+from combing.photographs import read_to_scale
+from combing.study import LinkSet, tine_positions
+from combing.tables import read_table
+
+
+def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
+    """Measure the link density in one photograph.
+
+    Returns
+    -------
+    DataFrame
+        ``s`` [m], ``link`` [1/m], ``sd`` [1/m]; ``attrs`` hold ``photo``, ``resolution`` [m],
+        ``total_link``, ``R`` [m], ``lean`` [rad], ``warnings`` and ``synthetic``.
+
+    Raises
+    ------
+    imaging.Unmeasurable
+        If the photograph does not show two strands wound round each other.
+    """
+    photo, pixel = read_to_scale(path, marker_side=chosen.marker_side, pixel_size=chosen.pixel_size)
+    found = measure_helix(photo, pixel, chosen.root)
+    found.attrs |= {"photo": path.stem, "synthetic": says_synthetic(photo.exif)}
+    return found
+
+
+def measure_helix(photo: imaging.Photo, pixel: float, root: str) -> pd.DataFrame:
+    """Link density (s, link, sd) of a photograph whose pixels are `pixel` metres wide."""
+    helix = imaging.helix(photo, scale=1 / pixel, root=root)
+    table = helix.link_density.copy()
+    table.attrs = {
+        "resolution": helix.resolution,
+        "total_link": helix.total_link,
+        "R": helix.R,
+        "lean": helix.lean,
+        "warnings": list(helix.warnings),
+    }
+    return table
+
+
+def compare_link(
+    chosen: LinkSet,
+    before: pd.DataFrame | None,
+    photographed: list[pd.DataFrame],
+    runs: Mapping[Path, sim.Run],
+) -> Comparison:
+    """Compare photographed link densities with the simulation's at the same tine positions.
+
+    Parameters
+    ----------
+    chosen : LinkSet
+        From the study.
+    before : DataFrame or None
+        `measure_link` of the photograph before the tine was inserted.
+    photographed : list of DataFrame
+        `measure_link` of the others, in the order of ``chosen.photos``.
+    runs : mapping
+        Finished runs by the path that names them in the study.
+    """
+    positions = tine_positions(chosen)
+    run = runs[chosen.simulation] if chosen.simulation else None
+    reference = None if before is None else float(before["link"].mean())
+    parts, rows, notes = [], [], _warnings(chosen.name, [before, *photographed])
+    for d, seen in zip(positions, photographed, strict=True):
+        curves = {"experiment": seen}
+        if run is not None:
+            curves["simulation"] = simulated_link(run, d, seen.attrs["resolution"])
+        tine = d + tine_start(run) if run is not None else np.nan
+        parts += [_plotted(chosen.name, source, curve, d, tine) for source, curve in curves.items()]
+        rows.append(_row(chosen.name, seen.attrs["photo"], d, curves))
+    plotted = pd.concat(parts, ignore_index=True)
+    plotted["reference"] = reference if reference is not None else plotted["link"].median()
+    everything = [*photographed] if before is None else [before, *photographed]
+    return Comparison(
+        plotted=plotted,
+        numbers=[("Link density", pd.DataFrame(rows))],
+        errors=_errors(chosen, everything),
+        notes=notes,
+        synthetic=any(found.attrs["synthetic"] for found in everything),
+    )
+
+
+def simulated_link(run: sim.Run, d: float, resolution: float) -> pd.DataFrame:
+    """Link density in the snapshot nearest to tine displacement `d`, averaged like a photograph."""
+    snapshot = nearest_snapshot(run, d)
+    first, second = run.strands(snapshot)[:2]
+    found = sim.link_density(first, second, resolution=resolution)
+    found.attrs |= {"d": float(run.displacements[snapshot])}
+    return found
+
+
+def nearest_snapshot(run: sim.Run, d: float) -> int:
+    """Return the last snapshot among those nearest to tine displacement `d` [m]."""
+    apart = np.abs(run.displacements - d)
+    return int(np.flatnonzero(apart == apart.min())[-1])
+
+
+def tine_start(run: sim.Run) -> float:
+    """Distance of the tine's first place from the clamp along its way [m]."""
+    tine = run.scene.tines[0]
+    way = np.array(tine.direction) / np.linalg.norm(tine.direction)
+    return float(np.dot(tine.position, way))
+
+
+def averaged(s: np.ndarray, link: np.ndarray, at: np.ndarray, width: float) -> np.ndarray:
+    """Mean of a link density over a window of `width` around every `at` (all in m)."""
+    turns = np.concatenate([[0], np.cumsum((link[1:] + link[:-1]) / 2 * np.diff(s))])
+    low, high = np.maximum(at - width / 2, s[0]), np.minimum(at + width / 2, s[-1])
+    return (np.interp(high, s, turns) - np.interp(low, s, turns)) / np.maximum(high - low, 1e-12)
+
+
+def _plotted(name: str, source: str, curve: pd.DataFrame, d: float, tine: float) -> pd.DataFrame:
+    columns = curve[["s", "link", "sd"]].reset_index(drop=True)
+    place = pd.DataFrame({"set": name, "source": source, "d": d, "tine": tine}, columns.index)
+    return pd.concat([place, pd.DataFrame(columns.to_dict("series"))], axis=1)
+
+
+def _row(name: str, photo: str, d: float, curves: Mapping[str, pd.DataFrame]) -> dict:
+    seen = curves["experiment"]
+    row: dict[str, object] = {
+        "set": name,
+        "photo": photo,
+        "d (m)": d,
+        "λ, experiment (1/m)": float(seen["link"].mean()),
+        "resolved": f"{seen['link'].notna().mean():.0%}",
+        "lean (°)": float(np.degrees(seen.attrs["lean"])),
+    }
+    if "simulation" in curves:
+        model = curves["simulation"]
+        there = np.interp(seen["s"], model["s"], model["link"])
+        row["λ, simulation (1/m)"] = float(np.mean(there[seen["link"].notna()]))
+        row["RMS difference (1/m)"] = rms(seen["link"] - there)
+        row["d, simulation (m)"] = model.attrs["d"]
+    return row
+
+
+def rms(difference: pd.Series | np.ndarray) -> float:
+    """Root mean square, leaving out what is not resolved."""
+    return float(np.sqrt(np.nanmean(np.square(difference))))
+
+
+def _warnings(name: str, measured: list[pd.DataFrame | None]) -> list[str]:
+    return [
+        f"{name}, {found.attrs['photo']}: {warning}"
+        for found in measured
+        if found is not None
+        for warning in found.attrs["warnings"]
+    ]
+
+
+def _errors(chosen: LinkSet, photographed: list[pd.DataFrame]) -> pd.DataFrame:
+    if chosen.truth is None:
+        return pd.DataFrame()
+    truth = read_table(chosen.truth, ["photo", "s", "link"])
+    rows = []
+    for found in photographed:
+        label = found.attrs["photo"]
+        true = truth[truth["photo"] == label]
+        if true.empty:
+            raise UserError(f"{chosen.truth}: holds no rows with photo = {label}")
+        rows += _photo_errors(chosen.name, label, found, true)
+    return pd.DataFrame(rows)
+
+
+def _photo_errors(name: str, label: str, found: pd.DataFrame, true: pd.DataFrame) -> list[dict]:
+    seen = found[found["link"].notna()]
+    s, link = true["s"].to_numpy(), true["link"].to_numpy()
+    there = averaged(s, link, seen["s"].to_numpy(), found.attrs["resolution"])
+    difference = seen["link"].to_numpy() - there
+    mean = error_row(name, label, "mean λ", float(seen["link"].mean()), float(there.mean()), "1/m")
+    spread = mean | {
+        "quantity": "λ(s), RMS",
+        "measured": np.nan,
+        "truth": np.nan,
+        "error": rms(difference),
+    }
+    return [mean, spread]

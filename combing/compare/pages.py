@@ -1,0 +1,170 @@
+"""Figures, tables and the report of a comparison, written into one folder."""
+
+import json
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+import sim
+from combing import __version__
+from combing.compare.comparison import Comparison
+from combing.figures.errors import draw_errors
+from combing.figures.force import draw_force
+from combing.figures.interactions import draw_interactions
+from combing.figures.link import draw_link
+from combing.figures.style import save
+from combing.report import Section, write_report
+from combing.runs import model_version
+from combing.study import Study
+from combing.tables import write_table
+
+TEXT = {
+    "force": (
+        "Force of combing",
+        "f = l0² F/B over x = d/D, both scaled by the same rules; D is where combing ends. "
+        "Love's curve is the force that stretches one of the helices by the same displacement.",
+        "Grey: mean ± standard deviation over repeats; black: the repeat nearest to all others; "
+        "red: simulation; dashed: Love's single helix.",
+    ),
+    "link": (
+        "Link density along the helix",
+        "λ(s) is the link per length along the centreline of the pair, from the clamp. "
+        "Photographs are measured by their strands' edges, the simulation by the topology of its "
+        "strands in space, averaged over the length that the photograph resolves.",
+        "Black: photograph ± standard deviation; red: simulation; vertical line: the tine; "
+        "dotted: λ before the tine was inserted. Gaps are not resolved.",
+    ),
+    "interactions": (
+        "N-body interactions in a curl",
+        "The axis of the curl is cut into {n_sec} sections; strands that cross in a section are "
+        "joined, and every group of N strands is one N-body interaction. The simulated strands "
+        "are projected and counted by the same rule. The densities depend on the number of "
+        "sections.",
+        "Grey: photographs; red: simulation; dots: single curls; bars: standard deviation over "
+        "curls.",
+    ),
+}
+
+
+def write_pages(
+    study: Study,
+    comparisons: Mapping[str, Comparison],
+    runs: Mapping[Path, sim.Run],
+    folder: Path,
+) -> None:
+    """Write ``report.html``, ``summary.json``, and PNG, SVG and CSV of every figure."""
+    sections = [_section(study, kind, found, folder) for kind, found in comparisons.items()]
+    errors = _errors(comparisons)
+    if len(errors):
+        sections.append(_error_section(errors, folder))
+    sections.append(_origin(study, comparisons, runs))
+    synthetic = any(found.synthetic for found in comparisons.values())
+    write_report(
+        folder / "report.html",
+        study.title,
+        sections,
+        about=f"combing {__version__}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
+        footer="Every plotted number is in the CSV files beside this page.",
+        synthetic=synthetic,
+    )
+    summary = _summary(study, comparisons, errors, synthetic)
+    text = json.dumps(summary, indent=1, ensure_ascii=False)
+    (folder / "summary.json").write_text(text, encoding="utf-8")
+
+
+def _section(study: Study, kind: str, found: Comparison, folder: Path) -> Section:
+    title, text, caption = TEXT[kind]
+    figure = _drawers(study)[kind](found)
+    png, _ = save(figure, folder, kind, synthetic=found.synthetic)
+    origin = "synthetic experiment (virtual lab)" if found.synthetic else "measured experiment"
+    write_table(folder / f"{kind}.csv", found.plotted, [f"{title}; {origin}; SI units"])
+    paragraphs = [text.format(n_sec=study.n_sec)]
+    if found.notes:
+        paragraphs.append("Notes: " + "; ".join(found.notes) + ".")
+    return Section(title, paragraphs, png, caption, f"{kind}.csv", found.numbers)
+
+
+def _drawers(study: Study) -> dict[str, Callable[[Comparison], Figure]]:
+    return {
+        "force": lambda one: draw_force(one.plotted, synthetic=one.synthetic),
+        "link": lambda one: draw_link(one.plotted, synthetic=one.synthetic),
+        "interactions": lambda one: draw_interactions(
+            one.plotted, n_sec=study.n_sec, synthetic=one.synthetic
+        ),
+    }
+
+
+def _errors(comparisons: Mapping[str, Comparison]) -> pd.DataFrame:
+    tables = [found.errors.assign(kind=kind) for kind, found in comparisons.items()]
+    return pd.concat([table for table in tables if len(table)] or [pd.DataFrame()])
+
+
+def _error_section(errors: pd.DataFrame, folder: Path) -> Section:
+    write_table(folder / "errors.csv", errors, ["measured values beside the virtual lab's truth"])
+    png, _ = save(draw_errors(errors), folder, "errors", synthetic=True)
+    text = (
+        "The experiment of this study is synthetic, so the truth behind every file is known. "
+        "This is what the pipelines measured of it."
+    )
+    caption = "Measured over true values; the line is equality."
+    return Section(
+        "Errors against truth", [text], png, caption, "errors.csv", _error_tables(errors)
+    )
+
+
+def _error_tables(errors: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
+    columns = ["item", "quantity", "measured", "truth", "error", "unit"]
+    return [
+        (TEXT[kind][0], errors.loc[errors["kind"] == kind, columns])
+        for kind in TEXT
+        if (errors["kind"] == kind).any()
+    ]
+
+
+def _origin(
+    study: Study, comparisons: Mapping[str, Comparison], runs: Mapping[Path, sim.Run]
+) -> Section:
+    rows = [
+        {
+            "scene": path.name,
+            "rods": len(run.scene.rods),
+            "steps": int(run.data.attrs["steps"]),
+            "time step (s)": float(run.data.attrs["time_step_s"]),
+            "wall time (s)": float(run.data.attrs["wall_time_s"]),
+            "seed": run.scene.seed,
+        }
+        for path, run in runs.items()
+    ]
+    logs = sum(len(one.logs) for one in study.force)
+    photos = sum(len(one.photos) for one in (*study.link, *study.curl))
+    text = (
+        f"{logs} force logs, {photos} photographs, {len(runs)} simulations; "
+        f"solver {model_version()}."
+    )
+    return Section("Where the numbers come from", [text], tables=[("Runs", pd.DataFrame(rows))])
+
+
+def _summary(
+    study: Study, comparisons: Mapping[str, Comparison], errors: pd.DataFrame, synthetic: bool
+) -> dict:
+    tables = {
+        kind: {caption: _records(table) for caption, table in found.numbers}
+        for kind, found in comparisons.items()
+    }
+    return {
+        "title": study.title,
+        "synthetic": synthetic,
+        "n_sec": study.n_sec,
+        "solver": model_version(),
+        "tables": tables,
+        "errors": _records(errors),
+        "notes": [note for found in comparisons.values() for note in found.notes],
+    }
+
+
+def _records(table: pd.DataFrame) -> list[dict]:
+    """Rows as plain data; what is not a number becomes null, for JSON knows no NaN."""
+    return json.loads(table.to_json(orient="records"))

@@ -1,0 +1,93 @@
+"""Photographs of a combing: before the tine, and with the tine on its way down."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+import sim
+from combing.camera import Array, Camera
+from combing.render import Tine
+from combing.virtual_lab.photographs import NYLON, broadside, frame, photograph, smooth
+from combing.virtual_lab.specimens import RADIUS
+
+PLACES = (0.004, 0.008, 0.012, 0.045, 0.075, 0.105)
+WINDOW = 0.006  # m; how far from its place the tine may be when the picture is taken
+PIXEL = RADIUS / 8
+TINE_SHOWN = 0.02
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A moment of a combing as it is photographed.
+
+    Attributes
+    ----------
+    name : str
+        File name without its ending.
+    snapshot : int
+        Number of the run's snapshot.
+    d : float
+        Tine displacement [m]; NaN before the tine is inserted.
+    """
+
+    name: str
+    snapshot: int
+    d: float
+
+
+def shots(run: sim.Run) -> list[Shot]:
+    """Choose the moments: before the tine, and near every place the most planar one.
+
+    Ahead of the tine the pair kinks and whirls about the axis; a photographer waits until the
+    kink shows its broad side.
+    """
+    chosen = [Shot("synthetic_helix_before", 0, float("nan"))]
+    for number, place in enumerate(PLACES, start=1):
+        near = np.flatnonzero(np.abs(run.displacements - place) <= WINDOW / 2)
+        best = min(near, key=lambda snapshot: thickness(run.strands(snapshot)))
+        name = f"synthetic_helix_{number}"
+        chosen.append(Shot(name, int(best), float(run.displacements[best])))
+    return chosen
+
+
+def thickness(strands: list[Array]) -> float:
+    """Spread of hanging strands along the direction in which they spread least [m]."""
+    return float(np.std(np.concatenate(strands) @ broadside(strands)))
+
+
+def strands_of(run: sim.Run, shot: Shot) -> list[Array]:
+    """Centrelines as they are drawn (n, 3) [m]: a spline through the nodes."""
+    return [smooth(strand) for strand in run.strands(shot.snapshot)]
+
+
+def view(run: sim.Run, shot: Shot) -> Camera:
+    """Camera of a shot: before the broad side of the kink, or along the tine to come."""
+    strands = strands_of(run, shot)
+    towards = np.array(run.scene.tines[0].axis) if np.isnan(shot.d) else broadside(strands)
+    return frame(strands, towards / np.linalg.norm(towards), PIXEL)
+
+
+def take(run: sim.Run, shot: Shot, *, rng: np.random.Generator | int | None) -> NDArray[np.uint8]:
+    """Take the picture (h, w, 3)."""
+    tine = None if np.isnan(shot.d) else _tine(run.scene.tines[0], shot.d)
+    strands = strands_of(run, shot)
+    return photograph(strands, RADIUS, NYLON, view(run, shot), tine=tine, rng=rng)
+
+
+def true_link(run: sim.Run, shot: Shot) -> pd.DataFrame:
+    """Link density of the photographed strands by their topology: photo, s [m], link [1/m]."""
+    table = sim.link_density(*strands_of(run, shot)[:2])
+    return pd.DataFrame({"photo": shot.name, "s": table["s"], "link": table["link"]})
+
+
+def _tine(tine: Any, d: float) -> Tine:
+    way = np.array(tine.direction) / np.linalg.norm(tine.direction)
+    return Tine(
+        centre=np.array(tine.position) + d * way,
+        axis=np.array(tine.axis),
+        radius=tine.radius,
+        length=min(tine.length, TINE_SHOWN),
+    )
