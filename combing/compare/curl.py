@@ -133,10 +133,15 @@ def _curls(
 
 
 def _means(plotted: pd.DataFrame) -> pd.DataFrame:
-    summary = plotted.groupby(["set", "source", "N"])["density"].agg(["mean", "std"]).reset_index()
-    wide = summary.pivot(index=["set", "N"], columns="source", values=["mean", "std"])
-    wide.columns = [f"{source}, {'sd' if what == 'std' else what}" for what, source in wide.columns]
-    return wide.reset_index()
+    rows = []
+    for n in sorted(plotted["N"].unique()):
+        row: dict[str, object] = {"set": plotted["set"].iloc[0], "N": int(n)}
+        for source in plotted["source"].unique():
+            chosen = plotted[(plotted["source"] == source) & (plotted["N"] == n)]
+            row[source] = float(chosen["density"].mean())
+            row[f"{source}, sd over curls"] = float(chosen["density"].std())
+        rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def _wrong_counts(chosen: CurlSet, photographed: list[pd.DataFrame]) -> list[str]:

@@ -135,13 +135,15 @@ def _average(name: str, rows: list[dict]) -> dict:
 
 def _distances(name: str, curves: list[pd.DataFrame], simulated: pd.DataFrame) -> list[dict]:
     """Metrics of the simulation against every repeat: no metric is read off the mean curve."""
-    rows = [
+    rows: list[dict] = [
         {"set": name, "experiment": _label(curve)} | compare_curves(curve, simulated, iso=False)
         for curve in curves
     ]
     if len(rows) > 1:
         mean = pd.DataFrame(rows).drop(columns=["set", "experiment"]).mean()
-        rows.append({"set": name, "experiment": "mean"} | {k: float(v) for k, v in mean.items()})
+        rows.append(
+            {"set": name, "experiment": "mean"} | {str(k): float(v) for k, v in mean.items()}
+        )
     return rows
 
 

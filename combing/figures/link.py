@@ -30,13 +30,14 @@ def draw_link(table: pd.DataFrame, *, synthetic: bool) -> Figure:
     synthetic : bool
         Whether the experiment comes from the virtual lab.
     """
-    groups = list(table.groupby(["set", "d"], sort=True))
+    keys = table[["set", "d"]].drop_duplicates().sort_values(["set", "d"])
+    groups = [table[(table["set"] == name) & (table["d"] == d)] for name, d in keys.to_numpy()]
     with paper_style():
         figure, panels = new_figure(-(-len(groups) // COLUMNS), COLUMNS, 1.25, share=True)
         limits = _limits(table)
-        for panel, ((_, d), rows) in zip(panels, groups, strict=False):
+        for panel, rows in zip(panels, groups, strict=False):
             _draw_position(panel, rows)
-            panel.set_title(f"$d$ = {d * METRE_TO_MM:.0f} mm", loc="left", pad=3)
+            panel.set_title(f"$d$ = {rows['d'].iloc[0] * METRE_TO_MM:.0f} mm", loc="left", pad=3)
             panel.set_ylim(limits)
         _label_outer(panels, len(groups))
         legend_above(figure, panels[0], 3)

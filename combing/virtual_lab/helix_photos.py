@@ -47,9 +47,9 @@ def shots(run: sim.Run) -> list[Shot]:
     chosen = [Shot("synthetic_helix_before", 0, float("nan"))]
     for number, place in enumerate(PLACES, start=1):
         near = np.flatnonzero(np.abs(run.displacements - place) <= WINDOW / 2)
-        best = min(near, key=lambda snapshot: thickness(run.strands(snapshot)))
+        best = min(map(int, near), key=lambda snapshot: thickness(run.strands(snapshot)))
         name = f"synthetic_helix_{number}"
-        chosen.append(Shot(name, int(best), float(run.displacements[best])))
+        chosen.append(Shot(name, best, float(run.displacements[best])))
     return chosen
 
 
