@@ -15,7 +15,7 @@ import pandas as pd
 
 from instron.errors import Unreadable
 from instron.layout import Header, find_header, is_row, split_cells
-from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
+from instron.numerals import Unclear, decimal_mark, grouped_regularly, looks_numeric, to_numbers
 from instron.source import Source
 
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
@@ -48,13 +48,15 @@ def read_bodies(source: Source, header: Header, delimiter: str) -> list[Body]:
 def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     """Return the body if the rest of the file is one clean table, else None."""
     start = _offset(source, header.first_row)
-    mark = _simple_mark(source, start, delimiter)
+    mark, thousands = _simple_marks(source, start, delimiter)
     if mark is None or not _last_line_is_whole(source, header, delimiter):
         return None
-    table = _pandas(source, header, delimiter, mark, start)
+    table = _pandas(source, header, delimiter, (mark, thousands), start)
     if table is None or any(table[i].dtype.kind not in "fi" for i in header.used()):
         return None
     values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
+    if thousands and all(np.array_equal(v, np.round(v), equal_nan=True) for v in values.values()):
+        return None  # no decimal point among the used numbers proves that commas group
     gaps = [i for i in header.used() if np.isnan(values[i]).any()]
     torn = header.first_unnamed() in table and table[header.first_unnamed()].notna().any()
     if torn or (gaps and len(header.specimens) == 1):
@@ -62,7 +64,7 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     if not _first_row_agrees(source, header, delimiter, mark, values):
         return None
     lines = np.arange(header.first_row, header.first_row + len(table))
-    return Body(header, values, lines, mark)
+    return Body(header, values, lines, mark, thousands is not None)
 
 
 def _offset(source: Source, line: int) -> int:
@@ -73,22 +75,26 @@ def _offset(source: Source, line: int) -> int:
     return position
 
 
-def _simple_mark(source: Source, start: int, delimiter: str) -> str | None:
-    """Return the decimal mark where no other mark occurs in the body, so nothing is grouped."""
-    comma, point = (source.data.find(mark, start) >= 0 for mark in (b",", b"."))
+def _simple_marks(
+    source: Source, start: int, delimiter: str
+) -> tuple[str | None, str | None]:
+    """Return decimal and thousands mark where the bytes of the body leave no doubt, else None."""
+    comma, point, quote = (source.data.find(mark, start) >= 0 for mark in (b",", b".", b'"'))
     if delimiter == ",":
-        quoted = source.data.find(b'"', start) >= 0
-        return None if quoted and re.search(rb"\d,\d", source.data[start:]) else "."
+        if not quote or not re.search(rb"\d,\d", source.data[start:]):
+            return ".", None
+        regular = point and grouped_regularly(source.data, start)
+        return (".", ",") if regular else (None, None)
     if not comma:
-        return "."
+        return ".", None
     # A comma that three digits do not follow cannot group thousands.
     if not point and re.search(rb"\d,(?!\d{3}(?!\d))\d|(?<!\d)0,\d", source.data[start:]):
-        return ","
-    return None
+        return ",", None
+    return None, None
 
 
 def _pandas(
-    source: Source, header: Header, delimiter: str, mark: str, start: int
+    source: Source, header: Header, delimiter: str, marks: tuple[str, str | None], start: int
 ) -> pd.DataFrame | None:
     """Return the C reader's table, or None where it stumbles."""
     target = source.path if source.on_disk else io.BytesIO(source.data[start:])
@@ -101,7 +107,8 @@ def _pandas(
                 header=None,
                 names=range(max(header.width, len(header.names))),
                 skiprows=header.first_row if source.on_disk else 0,
-                decimal=mark,
+                decimal=marks[0],
+                thousands=marks[1],
                 skipinitialspace=True,
                 encoding="latin-1" if source.encoding != "ascii" else "utf-8",
                 engine="c",
@@ -144,16 +151,14 @@ def _first_row_agrees(
     source: Source, header: Header, delimiter: str, mark: str, values: dict[int, np.ndarray]
 ) -> bool:
     """Guard against a reader that counts the lines of the preamble differently (quoted breaks)."""
-    cells = split_cells(source.head()[header.first_row], delimiter)
-    for index, column in values.items():
-        if index < len(cells) and cells[index]:
-            try:
-                expected = float(cells[index].replace(mark, "."))
-            except ValueError:
-                return False
-            if not np.isclose(column[0], expected, rtol=1e-12, atol=0):
-                return False
-    return True
+    cells = split_cells(source.head[header.first_row], delimiter)
+    filled = {i: cells[i] for i in values if i < len(cells) and cells[i]}
+    try:
+        numbers, _ = to_numbers(pd.Series(list(filled.values()), dtype=object), mark)
+    except Unclear:
+        return False
+    first = [values[i][0] for i in filled]
+    return bool(np.allclose(first, numbers, rtol=1e-12, atol=0))
 
 
 def _walk(

@@ -6,6 +6,7 @@ of, and grouping is then checked cell by cell: a wrong guess here scales a force
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -126,3 +127,38 @@ def _refuse_lost_decimals(values: np.ndarray, texts: np.ndarray, odd: np.ndarray
             " lost its decimal point",
             int(whole[0]),
         )
+
+
+CHUNK = 1 << 22
+QUOTE, COMMA, POINT, ZERO, NINE = b"\",.09"
+SIGNS = list(b"+-")
+
+
+def grouped_regularly(data: Any, start: int) -> bool:
+    """Tell whether every comma inside quotes groups exactly three digits, as in ``"1,424.96"``.
+
+    ``data`` are the bytes of a comma-delimited body from ``start`` on, mapped or not. A number
+    with two groups and no decimals is not called regular: it could have lost its decimal point.
+    """
+    while start < len(data):
+        stop = data.find(b"\n", min(start + CHUNK, len(data) - 1)) + 1 or len(data)
+        text = np.frombuffer(b"\0" * 8 + data[start:stop] + b"\0" * 8, dtype=np.uint8)
+        inside = np.cumsum(text == QUOTE, dtype=np.uint8) & 1
+        if not _regular(text, np.flatnonzero((text == COMMA) & (inside == 1))):
+            return False
+        start = stop
+    return True
+
+
+def _regular(text: np.ndarray, comma: np.ndarray) -> bool:
+    """Check the neighbours of the bytes at ``comma``: one to three digits before, three after."""
+
+    def digit(offset: int) -> np.ndarray:
+        return (text[comma + offset] >= ZERO) & (text[comma + offset] <= NINE)
+
+    two = digit(-2)
+    first = comma - 1 - two - (two & digit(-3))
+    opened = (text[first - 1] == QUOTE) | np.isin(text[first - 1], SIGNS)
+    closed = (text[comma + 4] == POINT) | (text[comma + 4] == QUOTE)
+    good = digit(-1) & (text[first] != ZERO) & digit(1) & digit(2) & digit(3) & opened & closed
+    return bool(good.all())

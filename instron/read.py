@@ -61,7 +61,7 @@ def read(
     source = open_source(path)
     delimiter, header = _find(source, columns)
     bodies = _logs_only(read_bodies(source, header, delimiter))
-    lines = source.head()[: header.line] if len(bodies) == 1 else source.lines
+    lines = source.head[: header.line] if len(bodies) == 1 else source.lines
     stated = stated_maxima(lines, delimiter)
     tables = [
         _table(source, body, number, delimiter, units or {})
@@ -74,13 +74,13 @@ def read(
 
 def _find(source: Source, columns: Sequence[str] | None) -> tuple[str, Header]:
     """Return the delimiter and the first header of the file."""
-    for lines in (source.head(), source.lines):
-        for delimiter in DELIMITERS:
+    for part in ("head", "lines"):
+        lines = getattr(source, part)
+        present = {mark for mark in DELIMITERS if any(mark in line for line in lines)}
+        for delimiter in [d for d in DELIMITERS if d in present or d == "spaces"]:
             header = _told(lines, delimiter, columns) if columns else find_header(lines, delimiter)
             if header is not None:
                 return delimiter, header
-        if len(lines) == len(source.lines):
-            break
     raise Unreadable(f"{source.path}: {_why_no_header(source.lines)}")
 
 
@@ -202,7 +202,7 @@ def _provenance(
     written: Mapping[str, tuple[str, bool]],
 ) -> dict[str, Any]:
     header = body.header
-    head = source.head() if header.line < len(source.head()) else source.lines
+    head = source.head if header.line < len(source.head) else source.lines
     facts = metadata(head[: header.line], delimiter)
     names = labels_above(head, header, delimiter) if len(header.specimens) > 1 else []
     label = names[number] if names else specimen_label(facts)

@@ -9,7 +9,7 @@ from pathlib import Path
 from instron.errors import Unreadable
 from instron.words import PIECES, WORDS, plain
 
-HEAD_BYTES = 1 << 18
+HEAD_BYTES = 1 << 16
 ENCODINGS = ("gb18030", "shift_jis", "cp1251", "cp1250")
 
 
@@ -29,8 +29,9 @@ class Source:
         """All lines, decoded; only asked for when the quick path does not suffice."""
         return split_lines(self.data[:].decode(self.encoding, errors="replace"))
 
+    @cached_property
     def head(self) -> list[str]:
-        """Return the first lines, decoded, up to 256 kB."""
+        """The first lines, decoded, up to 64 kB."""
         piece = self.data[:HEAD_BYTES]
         if len(piece) == HEAD_BYTES:
             piece = piece[: piece.rfind(b"\n") + 1] or piece

@@ -1,0 +1,109 @@
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+import instron
+from combing.cli import main
+
+RIG = "r = 4.25e-4\nE = 2.8e9\npitch = 0.0102\nhelix_radius = 8.5e-4\n"
+
+
+def log(seed):
+    rng = np.random.default_rng(seed)
+    d = np.linspace(0, 0.09, 1500)
+    jams = sum(np.exp(-(((d - c - rng.normal(0, 5e-4)) / 2e-3) ** 2)) for c in (0.02, 0.04, 0.06))
+    F = (1 - np.exp(-d / 0.01)) / (1 + np.exp((d - 0.08) / 5e-4)) + jams
+    F = F + 0.2 + rng.normal(0, 0.005, len(d))
+    return pd.DataFrame({"time": d / 1e-3, "displacement": d, "force": F})
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rig.toml").write_text(RIG)
+    (tmp_path / "runs").mkdir()
+    for k in range(3):
+        instron.write_bluehill(tmp_path / f"runs/{k}.csv", log(k), {"Specimen label": f"helix {k}"})
+    return tmp_path
+
+
+def run(capsys, *arguments):
+    with pytest.raises(SystemExit) as stop:
+        main(["force", *arguments])
+        raise SystemExit(0)
+    out = capsys.readouterr()
+    return stop.value.code or 0, out.out, out.err
+
+
+def test_a_folder_of_repeats_becomes_tables_and_a_figure(bench, capsys):
+    code, out, err = run(capsys, "runs", "--rig", "rig.toml", "-o", "out", "--active-length", "0.1")
+    assert (code, err) == (0, "")
+    assert "helix 1" in out
+    written = {path.name for path in (bench / "out").iterdir()}
+    assert {"curves.csv", "mean.csv", "repeats.csv", "summary.csv", "events.csv", "theory.csv",
+            "force.png", "force.svg", "section.html"} <= written  # fmt: skip
+    curves = pd.read_csv(bench / "out/curves.csv")
+    assert list(curves) == ["repeat", "specimen", "x", "f", "d", "F"]
+    assert curves.groupby("repeat").size().tolist() == [1500] * 3
+    table = pd.read_csv(bench / "out/repeats.csv")
+    assert table["peaks"].tolist() == [3, 3, 3]
+    assert table["D"].mean() == pytest.approx(0.0815, rel=0.01)
+    section = (bench / "out/section.html").read_text()
+    assert section.startswith("<section")
+    assert "<svg" in section
+    assert [p.name for p in bench.iterdir()].count(".force-") == 0
+
+
+def test_json_is_json(bench, capsys):
+    code, out, _ = run(capsys, "runs/0.csv", "--rig", "rig.toml", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert found["curves"][0]["specimen"] == "helix 0"
+    assert found["curves"][0]["B"] == pytest.approx(np.pi / 4 * 2.8e9 * 4.25e-4**4)
+
+
+def test_explain_says_what_was_understood(bench, capsys):
+    code, out, _ = run(capsys, "--explain", "runs/0.csv")
+    assert code == 0
+    assert "column 3 'Load' in N" in out
+    assert "delimiter ','" in out
+    assert 8 <= len(out.splitlines()) <= 13
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("nowhere.csv", "--rig", "rig.toml"), "nowhere.csv: no such file"),
+        (("empty.csv", "--rig", "rig.toml"), "empty.csv: the file is empty"),
+        (("runs/0.csv", "--rig", "negative.toml"), "r = -1.0: input should be greater than 0"),
+        (("runs/0.csv", "--rig", "key.toml"), "unknown key 'radius'"),
+        (("runs/0.csv", "--rig", "nowhere.toml"), "nowhere.toml"),
+        (("runs/0.csv",), "--rig is missing"),
+        (("runs/0.csv", "--explain", "--units", "force"), "--units 'force'"),
+        (("runs/0.csv", "--rig", "rig.toml", "--active-length", "-1"), "must be positive"),
+        (("hollow", "--rig", "rig.toml"), "hollow: no exports"),
+        (("runs/0.csv", "--rig", "rig.toml", "-o", "rig.toml"), "rig.toml: is a file"),
+    ],
+)
+def test_a_users_mistake_is_one_line_and_exit_code_2(bench, capsys, arguments, reason):
+    (bench / "empty.csv").write_text("")
+    (bench / "negative.toml").write_text("r = -1.0\nE = 1e9\n")
+    (bench / "key.toml").write_text("radius = 1.0\nE = 1e9\n")
+    (bench / "hollow").mkdir()
+    before = sorted(bench.rglob("*"))
+    arguments = arguments if "-o" in arguments else (*arguments, "-o", "out")
+    code, out, err = run(capsys, *arguments)
+    assert code == 2
+    assert reason in err
+    assert len(err.strip().splitlines()) == 1
+    assert out == ""
+    assert sorted(bench.rglob("*")) == before
+
+
+def test_help_shows_an_example():
+    from combing.commands.force import command
+
+    assert "combing force run1.csv" in CliRunner().invoke(command, ["--help"]).output
