@@ -9,8 +9,10 @@ from scipy.linalg import solveh_banded
 
 STEP = 0.25  # px between samples across a strand
 SHORTEST_WAVE = 4.0  # strand widths; shorter wiggles are taken for noise
-LEAST_SD = 0.02  # px; below this neither rendering nor lens is known
-HIDDEN_GROWTH = 0.06  # px of sd per px^1.5 of distance to the nearest visible point, over w^0.5
+# Calibrated on rendered curls (shading, highlight, blur, uneven light):
+SHADING_SD = 0.018  # strand widths; both edges seen, moved by shading and highlight
+ONE_EDGE_SD = 0.05  # strand widths more, where the other edge is taken from the width elsewhere
+HIDDEN_GROWTH = 0.15  # px of sd per px^1.5 of distance to the nearest visible point, over w^0.5
 
 
 def arclength(line: np.ndarray) -> np.ndarray:
@@ -190,10 +192,11 @@ def _spread(moved: np.ndarray, smooth: np.ndarray, sd: np.ndarray, width: float)
     if not seen.any():
         return np.full(len(smooth), width)
     rest = ((moved - smooth) * normals(smooth)).sum(axis=1)[seen] / sd[seen]
-    noise = max(1.4826 * float(np.median(np.abs(rest))), LEAST_SD)
+    noise = 1.4826 * float(np.median(np.abs(rest)))
     at = np.flatnonzero(seen)
     index = np.arange(len(smooth))
     right = at[np.searchsorted(at, index).clip(0, len(at) - 1)]
     left = at[(np.searchsorted(at, index, side="right") - 1).clip(0, len(at) - 1)]
     away = np.minimum(np.abs(index - left), np.abs(right - index))
-    return np.hypot(noise, HIDDEN_GROWTH * away**1.5 / np.sqrt(width))
+    bias = width * np.where(sd == 1, SHADING_SD, np.hypot(SHADING_SD, ONE_EDGE_SD))
+    return np.sqrt(noise**2 + bias**2 + (HIDDEN_GROWTH * away**1.5) ** 2 / width)

@@ -23,6 +23,7 @@ COLUMNS = [
     "confidence",
 ]
 CORE = 0.35  # strand widths from both centrelines within which a pixel votes on who is on top
+APART = 0.25  # of their joint sd; two lines that part by less between crossings are one contact
 DOUBT = 0.7  # a smaller share of the votes is "unknown"
 PIXELS_PER_VOTE = 4.0  # neighbouring pixels share blur and are not independent witnesses
 
@@ -50,8 +51,9 @@ def crossings(
 
     Notes
     -----
-    Two crossings of one pair between which the lines part by less than their own uncertainty are
-    not resolved: both are dropped, which keeps the parity.
+    Two crossings of one pair between which the lines part by less than a quarter of their joint
+    uncertainty are one contact: both are dropped, which keeps the parity. (Dropping at one sd lost
+    31 true crossings of 505 on rendered curls for 15 false ones.)
     """
     lines = [_line(strand) for strand in strands]
     table = _intersections(lines)
@@ -135,7 +137,7 @@ def _resolved(
                 for p, q in zip(left, left[1:], strict=False)
             ]
             closest = int(np.argmin(parting))
-            if parting[closest] >= 1:
+            if parting[closest] >= APART:
                 break
             dropped += left[closest : closest + 2]
             del left[closest : closest + 2]

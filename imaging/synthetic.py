@@ -231,7 +231,8 @@ def random_curl(
 
 
 def _smooth_noise(n: int, correlation: float, rng: np.random.Generator) -> np.ndarray:
-    """Gaussian process of unit variance and zero mean along a line."""
-    noise = ndimage.gaussian_filter1d(rng.standard_normal(n), correlation / 2, mode="reflect")
-    noise -= noise.mean()
-    return noise / noise.std()
+    """Gaussian process of unit variance along a line, remembered over `correlation`."""
+    margin = int(2 * correlation)
+    white = rng.standard_normal(n + 2 * margin)
+    noise = ndimage.gaussian_filter1d(white, correlation / 2, mode="wrap")
+    return (noise / noise.std())[margin : margin + n]

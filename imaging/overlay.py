@@ -1,0 +1,158 @@
+"""Pictures of a measurement: lines and crossings drawn over the photograph, labels, histogram."""
+
+import base64
+from collections.abc import Sequence
+from html import escape
+
+import cv2
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from scipy.spatial import cKDTree
+
+from imaging.photo import Photo
+from imaging.segment import Segmentation
+from imaging.trace import Strand
+
+SUBPIXEL_BITS = 4
+RING = "#ff00c8"  # a colour strands seldom have
+
+
+def labels_picture(segmentation: Segmentation, strands: Sequence[Strand]) -> np.ndarray:
+    """Number each pixel by the strand on top, 0 = background, shape (h, w).
+
+    uint8 for up to 255 strands, else uint16. Where several strands share a colour, a pixel belongs
+    to the nearest of them.
+    """
+    kind = np.uint8 if len(strands) < 256 else np.uint16
+    picture = np.zeros(segmentation.labels.shape, kind)
+    for colour in {strand.colour for strand in strands}:
+        own = [i for i, strand in enumerate(strands) if strand.colour == colour]
+        ys, xs = np.nonzero(segmentation.labels == colour + 1)
+        points = np.stack([xs, ys], axis=1)
+        far = np.stack([cKDTree(strands[i].line).query(points)[0] for i in own])
+        picture[ys, xs] = np.array(own)[far.argmin(axis=0)] + 1
+    return picture
+
+
+def draw_overlay(
+    photo: Photo, segmentation: Segmentation, strands: Sequence[Strand], crossings: pd.DataFrame
+) -> np.ndarray:
+    """Draw centrelines, strand numbers and crossings over the photograph, (h, w, 3) uint8 RGB."""
+    picture = np.round(255 * photo.rgb()).astype(np.uint8)
+    thick = _thickness(photo)
+    for strand in strands:
+        ink = _ink(segmentation.colours[strand.colour])
+        for run in _seen_runs(strand):
+            cv2.polylines(
+                picture, [_fixed(run)], False, ink, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS
+            )
+    ring = tuple(int(RING[i : i + 2], 16) for i in (1, 3, 5))
+    radius = int(2**SUBPIXEL_BITS * 0.8 * segmentation.width)
+    for x, y in crossings[["x", "y"]].to_numpy():
+        centre = tuple(_fixed(np.array([x, y])).tolist())
+        cv2.circle(picture, centre, radius, ring, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS)
+    for number, strand in enumerate(strands, start=1):
+        _write_number(picture, number, strand.line[0], thick)
+    return picture
+
+
+def _thickness(photo: Photo) -> int:
+    return max(1, round(max(photo.shape) / 1200))
+
+
+def _ink(lab: np.ndarray) -> tuple[int, int, int]:
+    """Black on light strands, white on dark ones."""
+    return (0, 0, 0) if lab[0] > 55 else (255, 255, 255)
+
+
+def _fixed(points: np.ndarray) -> np.ndarray:
+    return np.round(points * 2**SUBPIXEL_BITS).astype(np.int32)
+
+
+def _seen_runs(strand: Strand) -> list[np.ndarray]:
+    """Cut a centreline into the runs that are seen: hidden parts stay blank."""
+    seen = strand.edges > 0
+    cuts = np.flatnonzero(np.diff(seen.astype(int))) + 1
+    runs = np.split(strand.line, cuts)
+    return [run for run, shown in zip(runs, seen[np.r_[0, cuts]], strict=True) if shown]
+
+
+def _write_number(picture: np.ndarray, number: int, root: np.ndarray, thick: int) -> None:
+    height, width = picture.shape[:2]
+    scale = 0.45 * thick
+    (w, h), _ = cv2.getTextSize(str(number), cv2.FONT_HERSHEY_SIMPLEX, scale, thick)
+    x = int(np.clip(root[0] - w / 2, 1, max(width - w - 1, 1)))
+    y = int(np.clip(root[1] - 3, h + 2, height - 2))
+    cv2.rectangle(picture, (x - 2, y - h - 2), (x + w + 2, y + 3), (255, 255, 255), -1)
+    cv2.putText(
+        picture, str(number), (x, y), cv2.FONT_HERSHEY_SIMPLEX, scale, (0, 0, 0), thick, cv2.LINE_AA
+    )
+
+
+def overlay_svg(
+    photo: Photo, segmentation: Segmentation, strands: Sequence[Strand], crossings: pd.DataFrame
+) -> str:
+    """Return the overlay as one SVG file: the photograph below, lines that can be edited above.
+
+    SVG counts from the corner of the first pixel: picture points are shifted by half a pixel.
+    """
+    height, width = photo.shape
+    bgr = np.round(255 * photo.rgb()[..., ::-1]).astype(np.uint8)
+    jpeg = base64.b64encode(cv2.imencode(".jpg", bgr)[1].tobytes()).decode()
+    lines = [_svg_strand(i, s, segmentation) for i, s in enumerate(strands, start=1)]
+    radius = 0.8 * segmentation.width
+    rings = [
+        f'<circle cx="{row.x + 0.5:.2f}" cy="{row.y + 0.5:.2f}" r="{radius:.1f}">'
+        f"<title>{escape(_crossing_title(row))}</title></circle>"
+        for row in crossings.itertuples()
+    ]
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
+            f'width="{width}" height="{height}">',
+            f'<image width="{width}" height="{height}" href="data:image/jpeg;base64,{jpeg}"/>',
+            f'<g fill="none" stroke-width="{_thickness(photo)}">',
+            *lines,
+            "</g>",
+            f'<g fill="none" stroke="{RING}" stroke-width="{_thickness(photo)}">',
+            *rings,
+            "</g>",
+            "</svg>",
+            "",
+        ]
+    )
+
+
+def _svg_strand(number: int, strand: Strand, segmentation: Segmentation) -> str:
+    ink = "#%02x%02x%02x" % _ink(segmentation.colours[strand.colour])
+    points = " ".join(f"{x:.2f},{y:.2f}" for x, y in strand.line + 0.5)
+    return f'<polyline stroke="{ink}" points="{points}"><title>strand {number}</title></polyline>'
+
+
+def _crossing_title(row: tuple) -> str:
+    over = "unknown" if pd.isna(row.over) else f"strand {row.over}"  # type: ignore[attr-defined]
+    return f"{row.strand_a} x {row.strand_b}, on top: {over}"  # type: ignore[attr-defined]
+
+
+def histogram(densities: pd.DataFrame, unit: str) -> Figure:
+    """Draw N-body densities with their intervals (the paper's Fig. 1d).
+
+    Parameters
+    ----------
+    densities : DataFrame
+        From `imaging.densities`.
+    unit : str
+        Of the density's length: "m" or "px".
+    """
+    shown = densities[densities["N"] <= max(densities["N"][densities["count"] > 0].max(), 5)]
+    figure = Figure(figsize=(4.2, 3.2), layout="constrained")
+    axes = figure.add_subplot()
+    error = np.stack([shown["density"] - shown["low"], shown["high"] - shown["density"]])
+    axes.bar(shown["N"], shown["density"], color="#4878a8", width=0.7)
+    axes.errorbar(shown["N"], shown["density"], error, fmt="none", ecolor="black", capsize=3)
+    axes.set_xlabel("strands in one interaction, N")
+    axes.set_ylabel(rf"$\rho_N$ (1/{unit})")
+    axes.set_xticks(shown["N"])
+    axes.set_title(f"{densities.attrs['n_sec']} sections, 95 % Poisson intervals", fontsize=9)
+    return figure

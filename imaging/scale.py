@@ -1,0 +1,173 @@
+"""From pixels to metres: a stated scale, a ruler, an ArUco marker, or a known filament."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from imaging.errors import Unmeasurable
+from imaging.photo import Photo
+from imaging.trace import Strand
+
+DICTIONARIES = ("DICT_4X4_50", "DICT_5X5_50", "DICT_6X6_50", "DICT_ARUCO_ORIGINAL")
+CORNER_SD = 0.15  # px; refined marker corners
+CLICK_SD = 0.7  # px; a ruler's end read off the screen
+WHITE_MARGIN = 0.35  # of a marker's side: its white rim, and what blur spreads of it
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
+FORMS = "40px/mm, marker:20mm, plane:20mm, filament:0.85mm or ruler:x0,y0,x1,y1=50mm"
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Metres per pixel in the plane of the strands.
+
+    Attributes
+    ----------
+    metres_per_pixel : float
+    relative_sd : float
+        Standard deviation of the scale over the scale.
+    how : str
+        Where it comes from, for the record.
+    homography : (3, 3) array or None
+        Picture point -> metres in the plane, where perspective was measured.
+    """
+
+    metres_per_pixel: float
+    relative_sd: float
+    how: str
+    homography: np.ndarray | None = None
+
+    def metres(self, points: np.ndarray) -> np.ndarray:
+        """Carry picture points (n, 2) over to the plane of the strands [m]."""
+        if self.homography is None:
+            return np.asarray(points, float) * self.metres_per_pixel
+        flat = np.asarray(points, float).reshape(1, -1, 2)
+        return cv2.perspectiveTransform(flat, self.homography)[0]
+
+
+def stated(pixels_per_metre: float, relative_sd: float = 0.0) -> Scale:
+    """Take the user's word for the scale."""
+    if not pixels_per_metre > 0:
+        raise Unmeasurable(f"scale of {pixels_per_metre:g} pixels per metre; it must be positive")
+    return Scale(1 / pixels_per_metre, relative_sd, "stated")
+
+
+def from_ruler(start: Sequence[float], end: Sequence[float], length: float) -> Scale:
+    """Scale from two picture points a known length apart [m]."""
+    pixels = float(np.hypot(*np.subtract(end, start)))
+    if pixels < 2 or not length > 0:
+        raise Unmeasurable(
+            f"ruler from {tuple(start)} to {tuple(end)} of {length:g} m; "
+            "give two different points and a positive length"
+        )
+    return Scale(length / pixels, np.sqrt(2) * CLICK_SD / pixels, "ruler")
+
+
+def from_filament(strands: Sequence[Strand], diameter: float) -> Scale:
+    """Scale from the strands' known diameter [m]; the scatter between strands gives the sd."""
+    widths = np.array([np.median(s.width[s.edges == 2]) for s in strands if (s.edges == 2).any()])
+    if len(widths) == 0 or not diameter > 0:
+        raise Unmeasurable(
+            f"filament of {diameter:g} m on {len(widths)} strands; "
+            "at least one strand must be seen in full width"
+        )
+    mean = float(widths.mean())
+    # The half-contrast edge of a shaded tube lies within a few per cent of its outline.
+    scatter = float(widths.std(ddof=1)) / np.sqrt(len(widths)) if len(widths) > 1 else 0.0
+    return Scale(diameter / mean, float(np.hypot(scatter / mean, 0.05)), "filament diameter")
+
+
+def from_marker(photo: Photo, side: float, *, perspective: bool = False) -> tuple[Scale, Photo]:
+    """Scale from the ArUco marker in the plane of the strands.
+
+    Parameters
+    ----------
+    photo : Photo
+    side : float
+        Side of the black square [m].
+    perspective : bool
+        Also measure the tilt of the plane. Far from a small marker this adds more noise than it
+        removes bias: use it when the camera visibly looks at an angle.
+
+    Returns
+    -------
+    scale : Scale
+        Its sd holds the corners' noise and the inequality of the four sides (tilt).
+    photo : Photo
+        The same with the marker to be ignored.
+
+    Raises
+    ------
+    Unmeasurable
+        When no marker, or more than one, is found.
+    """
+    if not side > 0:
+        raise Unmeasurable(f"marker side of {side:g} m; it must be positive")
+    corners = find_marker(photo)
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
+    mean = float(sides.mean())
+    relative = float(np.hypot(CORNER_SD / mean, sides.std() / mean))
+    square = side * np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
+    plane = cv2.getPerspectiveTransform(corners.astype(np.float32), square) if perspective else None
+    return Scale(side / mean, relative, "ArUco marker", plane), _without(photo, corners)
+
+
+def find_marker(photo: Photo) -> np.ndarray:
+    """Return the corners of the only ArUco marker, (4, 2) [px], clockwise from its top left."""
+    grey = np.round(255 * photo.rgb().mean(axis=2)).astype(np.uint8)
+    settings = cv2.aruco.DetectorParameters()
+    settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+    for name in DICTIONARIES:
+        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+        found, _, _ = cv2.aruco.ArucoDetector(dictionary, settings).detectMarkers(grey)
+        if len(found) > 1:
+            raise Unmeasurable(f"{photo.source}: {len(found)} ArUco markers; leave one to be seen")
+        if len(found) == 1:
+            return found[0].reshape(4, 2).astype(float)
+    raise Unmeasurable(
+        f"{photo.source}: no ArUco marker found ({', '.join(DICTIONARIES)}); "
+        "show one whole and sharp, or state the scale in another way"
+    )
+
+
+def _without(photo: Photo, corners: np.ndarray) -> Photo:
+    middle = corners.mean(axis=0)
+    frame = middle + (1 + 2 * WHITE_MARGIN) * (corners - middle)
+    mask = np.zeros(photo.shape, np.uint8)
+    cv2.fillConvexPoly(mask, np.round(frame).astype(np.int32), 1)
+    hidden = mask > 0 if photo.ignore is None else (mask > 0) | photo.ignore
+    return replace(photo, ignore=hidden)
+
+
+@dataclass(frozen=True)
+class Request:
+    """A scale as asked for on the command line: its kind and numbers (metres, pixels)."""
+
+    kind: str
+    numbers: tuple[float, ...]
+
+
+def parse_scale(text: str) -> Request:
+    """Read a scale in one of the forms FORMS.
+
+    Raises
+    ------
+    Unmeasurable
+        When the text has none of these forms.
+    """
+    number, unit = r"([\d.eE+-]+)", "(" + "|".join(METRES) + ")"
+    try:
+        if match := re.fullmatch(rf"{number}\s*px/{unit}", text):
+            return Request("stated", (float(match[1]) / METRES[match[2]],))
+        if match := re.fullmatch(rf"(marker|plane|filament):{number}\s*{unit}", text):
+            return Request(match[1], (float(match[2]) * METRES[match[3]],))
+        if match := re.fullmatch(
+            rf"ruler:{number},{number},{number},{number}={number}{unit}", text
+        ):
+            ends = tuple(float(match[i]) for i in range(1, 5))
+            return Request("ruler", (*ends, float(match[5]) * METRES[match[6]]))
+    except ValueError:
+        pass
+    raise Unmeasurable(f"scale '{text}' is not understood; write it as {FORMS}")
