@@ -1,10 +1,11 @@
 """Two twisted strands in a photograph -> axis, radius, phase, link density, each with its sd."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from imaging.errors import Unmeasurable
 from imaging.helix_axis import Axis, find_axis, sample, smoothed
@@ -165,7 +166,7 @@ class _Start:
     r: float
     R: float
     pitch: float
-    seen: Look
+    spread: Mask
     turns: HalfTurns
 
 
@@ -178,10 +179,20 @@ def _first_look(membership: NDArray[np.float32], root: str) -> _Start:
         )
     axis = find_axis(membership.sum(axis=0), r, root=root)
     r, seen, turns = _sides(membership, axis, r)
+    R = max(helix_radius(seen, turns), 0.5 * r)
     pitch = 2 * float(np.median(np.diff(turns.s)))
-    axis = smoothed(axis, pitch / 4)
-    r, seen, turns = _sides(membership, axis, r)
-    return _Start(axis, r, max(helix_radius(seen, turns), 0.5 * r), pitch, seen, turns)
+    # Smoothing cuts the corner of a kink, where sections would then be aslant and look too wide.
+    spread = spread_apart(seen, R)
+    smooth = smoothed(axis, pitch / 4)
+    place = _places(smooth, axis)
+    turns = replace(turns, s=np.interp(turns.s, place, smooth.s))
+    return _Start(smooth, r, R, pitch, np.interp(place, axis.s, spread) > 0.5, turns)
+
+
+def _places(axis: Axis, other: Axis) -> Array:
+    """Arclengths on another axis of the points nearest to this one's, never falling."""
+    _, nearest = cKDTree(other.points).query(axis.points)
+    return np.maximum.accumulate(other.s[nearest])
 
 
 def _sides(
@@ -217,7 +228,7 @@ def _fit_all(
     """Fit, look for the edges again where the fit says they are, fit again."""
     model = _first_model(start, membership.shape[1:])
     s = start.axis.s
-    valid = ~spread_apart(start.seen, start.R) & ~hidden
+    valid = ~start.spread & ~hidden
     valid &= (s > 2 * start.r) & (s < s[-1] - 2 * start.r)
     valid &= _long_enough(valid, start)
     if not valid.any():
@@ -230,7 +241,7 @@ def _fit_all(
     fitted = fit(model, edges, held)
     for _ in range(2):
         edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
-        fitted = fit(fitted.model, edges, held, fitted.weights, rounds=5)
+        fitted = fit(fitted.model, edges, held, fitted.prior, rounds=5)
     return fitted, edges, valid
 
 
@@ -238,7 +249,7 @@ def _first_model(start: _Start, shape: tuple[int, ...]) -> Model:
     """Splines through the first phase; ten knots a pitch for it, six for the axis, one for R."""
     axis, end = start.axis, start.axis.s[-1]
     layout = Layout(
-        *(knots(0.0, end, start.pitch / n) for n in (10, 6, 1)),
+        *(knots(0.0, end, start.pitch / n) for n in (16, 8, 1)),
     )
     beta = np.zeros(layout.size)
     phase = first_phase(start.turns, axis.s)

@@ -140,10 +140,11 @@ def first_phase(turns: HalfTurns, s: Array) -> Array:
 def spread_apart(seen: Look, radius: float) -> NDArray[np.bool_]:
     """Sections where the strands lie further apart than a helix of ``radius`` allows, or are lost.
 
-    A third more than the typical radius and one pixel is allowed, for a helix that widens.
+    Three fifths more than the typical radius are allowed, for a helix that widens and for sections
+    that a kink leaves aslant.
     """
     size = np.abs(seen.separation) / 2
-    apart = median_filter(np.nan_to_num(size, nan=np.inf), 5) > 1.33 * radius + 1.0
+    apart = median_filter(np.nan_to_num(size, nan=np.inf), 5) > 1.6 * radius + 1.0
     return _near(apart, max(int(radius), 1))
 
 

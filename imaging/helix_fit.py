@@ -8,7 +8,7 @@ points err together, so the noise variance that enters is the one of independent
 residuals' variance times their correlation length along the edge.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,54 @@ from imaging.helix_model import Model, basis, feet, positions
 
 Array = NDArray[np.float64]
 TUKEY = 4.685
+STEPPED = ("phi", "mid")  # blocks that may change abruptly: link density, direction at a kink
+TAIL = 1.0  # degrees of freedom of those changes
+LEAST_NOISE = 1e-3  # px
 PENALISED = {"phi": 2, "mid": 2, "R": 1}  # block -> order of the difference
 EVEN = 1e6  # largest ratio of a penalty to the information in the data
+
+
+@dataclass(frozen=True)
+class Prior:
+    """How stiff each block of unknowns is: sum of weight * local * difference^2.
+
+    Differences of the phase may be few and large, as where the link density steps: they are taken
+    to follow Student's distribution with TAIL degrees of freedom, so that the local weight falls
+    where a step is seen and the rest stays smooth.
+    """
+
+    differences: dict[str, Array]
+    weights: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PENALISED, 1.0))
+    local: dict[str, Array] = field(default_factory=dict)
+
+    def penalties(self) -> dict[str, Array]:
+        """Return D' diag(weight * local) D of each block."""
+        return {
+            name: self.weights[name] * (d.T * self.local.get(name, 1.0)) @ d
+            for name, d in self.differences.items()
+        }
+
+    def updated(
+        self,
+        beta: dict[str, Array],
+        covariance: dict[str, Array],
+        stiffest: dict[str, float],
+    ) -> "Prior":
+        """Re-estimate the weights from the unknowns (Fellner-Schall; expectation of Student's).
+
+        w <- (m - w tr(V S)) / (beta' S beta), Wood & Fasiolo, Biometrics 73 (2017).
+        """
+        weights, local = {}, dict(self.local)
+        for name, d in self.differences.items():
+            here = self.local.get(name, np.ones(len(d)))
+            spread = np.einsum("ij,jk,ik->i", d, covariance[name], d, optimize=True)
+            size = (d @ beta[name]) ** 2
+            old = self.weights[name]
+            free = max(len(d) - old * float(here @ spread), 1e-6 * len(d))
+            weights[name] = min(free / max(float(here @ size), 1e-300), stiffest[name])
+            if name in STEPPED:
+                local[name] = (TAIL + 1) / (TAIL + weights[name] * (size + spread))
+        return Prior(self.differences, weights, local)
 
 
 @dataclass(frozen=True)
@@ -33,8 +79,8 @@ class Fit:
     model : Model
     covariance : (p, p) array
         Posterior covariance of the unknowns.
-    weights : dict
-        Penalty weight of each block.
+    prior : Prior
+        Penalties, as estimated.
     freedom : dict
         Effective number of free parameters of each block.
     noise : float
@@ -47,7 +93,7 @@ class Fit:
 
     model: Model
     covariance: Array
-    weights: dict[str, float]
+    prior: Prior
     freedom: dict[str, float]
     noise: float
     correlation: float
@@ -58,7 +104,7 @@ def fit(
     model: Model,
     edges: Edges,
     held: dict[str, NDArray[np.bool_]],
-    weights: dict[str, float] | None = None,
+    prior: "Prior | None" = None,
     rounds: int = 8,
 ) -> Fit:
     """Fit a model to edges.
@@ -71,24 +117,22 @@ def fit(
     held : dict
         For each penalised block, the differences (bool) to penalise; False in gaps, so that what
         lies before and behind a tine is fitted apart.
-    weights : dict, optional
+    prior : Prior, optional
         Penalty weights to start from.
     rounds : int
         Gauss-Newton steps.
     """
-    differences = {name: _penalty(model, name, held[name]) for name in PENALISED}
-    weights = dict(weights or dict.fromkeys(PENALISED, 1.0))
+    prior = prior or Prior({name: _differences(model, name, held[name]) for name in PENALISED})
     for _ in range(rounds):
         residual, design = _linearised(model, edges)
-        noise, correlation, robust = _noise(residual, edges)
-        information = (design.T @ diags(robust / (noise**2 * correlation)) @ design).toarray()
-        pull = design.T @ (robust * residual) / (noise**2 * correlation)
-        target = pull + information @ model.beta
-        beta, covariance, weights = _penalised(model, information, target, differences, weights)
+        noise, correlation, precision = _noise(residual, edges)
+        information = (design.T @ diags(precision) @ design).toarray()
+        target = design.T @ (precision * residual) + information @ model.beta
+        beta, covariance, prior = _penalised(model, information, target, prior)
         model = model.moved(beta)
     freedom = _freedom(model, information, covariance)
     blur = 0.4 / float(np.median(edges.steepness))
-    return Fit(model, covariance, weights, freedom, noise, correlation, blur)
+    return Fit(model, covariance, prior, freedom, noise, correlation, blur)
 
 
 def _linearised(model: Model, edges: Edges) -> tuple[Array, csr_matrix]:
@@ -120,15 +164,23 @@ def _linearised(model: Model, edges: Edges) -> tuple[Array, csr_matrix]:
 
 
 def _noise(residual: Array, edges: Edges) -> tuple[float, float, Array]:
-    """Robust sd of a residual, its correlation length in points, Tukey weights."""
-    noise = max(1.4826 * float(np.median(np.abs(residual))), 1e-3)
-    z = np.clip(np.abs(residual) / (TUKEY * noise), 0, 1)
-    robust = (1 - z**2) ** 2
-    lengths = [
-        _correlation(residual[edges.track == k], robust[edges.track == k] > 0.05)
-        for k in range(4)
-    ]
-    return noise, float(np.mean(lengths)), robust
+    """Robust sd of a residual, mean correlation length, weight of each edge point.
+
+    Edges against the background and edges in contact are weighted by their own scatter: shading
+    moves the latter more.
+    """
+    precision = np.zeros(len(residual))
+    lengths = []
+    for border in np.unique(edges.border):
+        own = edges.border == border
+        noise = max(1.4826 * float(np.median(np.abs(residual[own]))), LEAST_NOISE)
+        robust = (1 - np.clip(np.abs(residual) / (TUKEY * noise), 0, 1) ** 2) ** 2
+        tracks = [own & (edges.track == k) for k in range(4)]
+        length = float(np.mean([_correlation(residual[k], robust[k] > 0.05) for k in tracks]))
+        precision[own] = robust[own] / (noise**2 * length)
+        lengths.append(length)
+    noise = 1.4826 * float(np.median(np.abs(residual)))
+    return noise, float(np.mean(lengths)), precision
 
 
 def _correlation(residual: Array, good: NDArray[np.bool_]) -> float:
@@ -145,50 +197,34 @@ def _correlation(residual: Array, good: NDArray[np.bool_]) -> float:
     return float(1 + 2 * rho[1:end].sum())
 
 
-def _penalty(model: Model, name: str, held: NDArray[np.bool_]) -> Array:
+def _differences(model: Model, name: str, held: NDArray[np.bool_]) -> Array:
     """Differences D (m, size) of one block of unknowns, those not ``held`` left out."""
     size = model.layout.blocks[name].stop - model.layout.blocks[name].start
     return np.diff(np.eye(size), n=PENALISED[name], axis=0)[held]
 
 
 def _penalised(
-    model: Model,
-    information: Array,
-    target: Array,
-    differences: dict[str, Array],
-    weights: dict[str, float],
-) -> tuple[Array, Array, dict[str, float]]:
-    """Solve the penalised normal equations, re-estimating the weights: beta, covariance, weights.
-
-    Fellner-Schall: w <- (rank - w tr(V S)) / (beta' S beta), Wood & Fasiolo, Biometrics 73 (2017).
-    """
+    model: Model, information: Array, target: Array, prior: Prior
+) -> tuple[Array, Array, Prior]:
+    """Solve the penalised normal equations, re-estimating the prior: beta, covariance, prior."""
     blocks = model.layout.blocks
     diagonal = np.diag(information)
     # Unseen stretches have neither data nor penalty: hold them where they are.
     ridge = 1e-9 * diagonal + 1e-9 * np.median(diagonal)
     for _ in range(2):
         matrix = information + np.diag(ridge)
-        for name, d in differences.items():
-            matrix[blocks[name], blocks[name]] += weights[name] * d.T @ d
+        for name, penalty in prior.penalties().items():
+            matrix[blocks[name], blocks[name]] += penalty
         factor = cho_factor(matrix)
         covariance = cho_solve(factor, np.eye(len(matrix)))
         beta = cho_solve(factor, target + ridge * model.beta)
-        weights = {
-            name: _weight(weights[name], d, beta[blocks[name]],
-                          covariance[blocks[name], blocks[name]], diagonal[blocks[name]].max())
-            for name, d in differences.items()
-        }  # fmt: skip
-    return beta, covariance, weights
-
-
-def _weight(weight: float, d: Array, beta: Array, covariance: Array, data: float) -> float:
-    """One Fellner-Schall update, kept below the stiffness that hides the data by EVEN."""
-    if not len(d):
-        return weight
-    used = weight * float(np.einsum("ij,jk,ik->", d, covariance, d, optimize=True))
-    free = max(len(d) - used, 1e-6 * len(d))
-    rough = float(np.sum((d @ beta) ** 2))
-    return min(free / max(rough, 1e-300), EVEN * data)
+        stiffest = {name: EVEN * diagonal[blocks[name]].max() for name in PENALISED}
+        prior = prior.updated(
+            {name: beta[blocks[name]] for name in PENALISED},
+            {name: covariance[blocks[name], blocks[name]] for name in PENALISED},
+            stiffest,
+        )
+    return beta, covariance, prior
 
 
 def _freedom(model: Model, information: Array, covariance: Array) -> dict[str, float]:

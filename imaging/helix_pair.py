@@ -12,6 +12,7 @@ from imaging.segment import Segmentation
 
 Mask = NDArray[np.bool_]
 TOUCH = 3  # px; strands whose masks come this close touch
+EDGE = 3.0  # px; how far a segmentation's borders may be off
 PLATEAU = 2.0  # px; further inside than this a strand covers the whole pixel
 
 
@@ -65,11 +66,12 @@ def rough_radius(masks: NDArray[np.bool_]) -> float:
 def pair_membership(
     segmentation: Segmentation, pair: tuple[int, int], photo: Photo | None = None
 ) -> NDArray[np.float32]:
-    """Coverage (2, h, w) of the two strands, their common border taken from the colours.
+    """Coverage (2, h, w) of the two strands, their edges read off the photograph.
 
-    A segmentation votes over a neighbourhood who owns a pixel, which rounds the border between the
-    strands. Near that border the share is read off the photograph again: the pixel's colour,
-    freed of brightness, between those of the two strands nearby.
+    A segmentation knows what each region is; where its regions end it may be off by a pixel or two,
+    by its votes, its smoothing or the shading of the strand. Near every border the coverage is
+    therefore unmixed again: the place of a pixel's light between the colours a few pixels away on
+    either side of the border. Light mixes linearly, so the coding (gamma 2.2) is undone first.
 
     Parameters
     ----------
@@ -82,12 +84,58 @@ def pair_membership(
     if photo is None:
         return membership
     owned = np.stack([segmentation.labels == c + 1 for c in pair])
-    coverage = _without_holes(membership.sum(axis=0), owned.any(axis=0))
+    r = rough_radius(owned)
+    window = _window(owned.any(axis=0), int(4 * r) + 4)
+    membership = np.zeros_like(membership)
+    light = photo.rgb()[window] ** 2.2
+    bare = segmentation.labels[window] == 0
+    membership[:, *window] = _unmixed(light, owned[:, *window], bare, max(0.5 * r, 1.5))
+    return membership
+
+
+def _window(mask: Mask, margin: int) -> tuple[slice, slice]:
+    """Rows and columns that hold a mask and a margin."""
+    spans = []
+    for along in (1, 0):
+        where = np.flatnonzero(mask.any(axis=along))
+        first, last = (where[0], where[-1]) if where.size else (0, 0)
+        spans.append(slice(max(int(first) - margin, 0), int(last) + margin + 1))
+    return spans[0], spans[1]
+
+
+def _unmixed(
+    light: NDArray[np.float32], owned: NDArray[np.bool_], bare: Mask, sigma: float
+) -> NDArray[np.float32]:
+    """Coverage (2, h, w) of both strands from their colours and the background's nearby."""
+    both = owned.any(axis=0)
+    a, b = (_local_colour(light, m, sigma) for m in owned)
+    strand, ground = _local_colour(light, both, sigma), _local_colour(light, bare, sigma)
+    coverage = np.where(both, 1.0, 0.0).astype(np.float32)
+    rim = _grown(both, EDGE) & _grown(~both, EDGE)
+    coverage[rim] = _place(light, ground, strand)[rim]
     share = owned[0].astype(np.float32)
-    depth = rough_radius(owned)
-    near = _grown(owned[0], depth / 2) & _grown(owned[1], depth / 2)
-    share[near] = _colour_share(photo, owned)[near]
-    return np.stack([coverage * share, coverage * (1 - share)]).astype(np.float32)
+    border = _grown(owned[0], EDGE) & _grown(owned[1], EDGE)
+    share[border] = _place(light, b, a)[border]
+    return np.stack([coverage * share, coverage * (1 - share)])
+
+
+def _local_colour(light: NDArray[np.float32], mask: Mask, sigma: float) -> NDArray[np.float32]:
+    """Mean colour of a region near each pixel, its own border left out."""
+    core = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5) > PLATEAU
+    weight = (core if core.any() else mask).astype(np.float32)
+    mean = light[weight > 0].mean(axis=0) if weight.any() else np.zeros(3, np.float32)
+    total = cv2.GaussianBlur(weight, (0, 0), sigma) + 1e-4
+    colour = cv2.GaussianBlur(light * weight[..., None], (0, 0), sigma) + 1e-4 * mean
+    return colour / total[..., None]
+
+
+def _place(
+    light: NDArray[np.float32], zero: NDArray[np.float32], one: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Place of each pixel between two colours, 0 to 1."""
+    span = one - zero
+    length = np.maximum((span**2).sum(axis=2), 1e-6)
+    return np.clip(((light - zero) * span).sum(axis=2) / length, 0, 1)
 
 
 def _contact(a: Mask, b: Mask) -> int:
@@ -98,25 +146,3 @@ def _grown(mask: Mask, reach: float) -> Mask:
     size = 2 * max(int(round(reach)), 1) + 1
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     return cv2.dilate(mask.astype(np.uint8), disc) > 0
-
-
-def _without_holes(coverage: NDArray[np.float32], inside: Mask) -> NDArray[np.float32]:
-    """Full coverage well inside, where a highlight may have made it less."""
-    depth = cv2.distanceTransform(inside.astype(np.uint8), cv2.DIST_L2, 5)
-    return np.where(depth > PLATEAU, 1.0, coverage).astype(np.float32)
-
-
-def _colour_share(photo: Photo, owned: NDArray[np.bool_]) -> NDArray[np.float32]:
-    """Place of each pixel's hue between those of strand b (0) and strand a (1).
-
-    (a*, b*)/(L + 16) does not change when the light is scaled; L is kept at a low weight for
-    strands that are black, white or grey.
-    """
-    lab = cv2.cvtColor(photo.rgb(), cv2.COLOR_RGB2Lab)
-    bright = lab[..., :1] + 16
-    feature = np.concatenate([0.3 * np.log(bright), lab[..., 1:] / bright], axis=2)
-    core = [cv2.erode(m.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0 for m in owned]
-    means = [np.median(feature[c if c.any() else m], axis=0) for c, m in zip(core, owned, strict=True)]
-    axis = means[0] - means[1]
-    share = (feature - means[1]) @ (axis / (axis @ axis))
-    return np.clip(share, 0, 1).astype(np.float32)
