@@ -65,7 +65,7 @@ def contact(scene: Scene, state: State) -> contact_kernel.Contact | None:
     state.row("OVERHANG")[:] = _overhang(state, 2 * max(radii))
     return contact_kernel.Contact(
         line_stiffness,
-        scene.contact.skin or 0.5 * max(radii),
+        scene.contact.skin or max(0.5 * max(radii), 0.25 * state.row("LENGTH").max()),
         rod,
         arc,
         gap,

@@ -127,8 +127,7 @@ def _fill_rod(state: State, number: int, rod: Rod, scene: Scene) -> None:
         state, at, rod, lengths, directors, np.random.default_rng([scene.seed, 2, number])
     )
     if rod.clamp == "root":
-        state.row("INV_MASS")[at.start] = 0.0
-        state.row("INV_J1")[at.start] = state.row("INV_J3")[at.start] = 0.0
+        _clamp(state, at.start, rod, lengths[0], directors[0])
 
 
 def _fill_elements(state: State, at: slice, rod: Rod, lengths: Array, rotary_inertia: str) -> None:
@@ -174,6 +173,22 @@ def _fill_vertices(
         )
     for axis in range(3):
         state.row(f"K{axis}")[inner] = rest[:, axis]
+
+
+def _clamp(state: State, root: int, rod: Rod, length: float, directors: Array) -> None:
+    """Hold the root node, and bend the first half element against a frame that stands still.
+
+    The ghost before the root is that frame. Holding the first element itself instead would leave its
+    half of the bending out, an error of first order in its length: 6 % of a cantilever's deflection
+    at 32 elements.
+    """
+    state.row("INV_MASS")[root] = 0.0
+    for axis in range(3):
+        for k in range(3):
+            state.row(f"Q{axis}{k}")[root - 1] = directors[axis, k]
+    bend, twist = rigidities(rod.material, rod.radius)
+    state.row("INV_VORONOI")[root] = 2 / length
+    state.row("BEND")[root], state.row("TWIST")[root] = bend, twist
 
 
 def rigidities(material: Material, radius: float) -> tuple[float, float]:

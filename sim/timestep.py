@@ -32,16 +32,15 @@ def stable_step(
         Kelvin-Voigt time T [s].
     """
     length, inverse = state.row("LENGTH"), state.row("INV_LENGTH")
-    heavy = state.row("INV_J1").copy()
-    heavy[heavy == 0] = heavy.max()  # a held element has no inertia of its own
     line_density = np.full(state.n, np.inf)
     for rod, count in enumerate(state.elements):
         at = slice(state.first[rod], state.first[rod] + count)
         total = state.row("MASS")[state.nodes(rod)].sum()
         line_density[at] = total / length[at].sum()
-    shear = state.row("SHEAR") * length * heavy / 4
+    shear = state.row("SHEAR") * length * state.row("INV_J1") / 4
     stretch = state.row("STRETCH") * inverse**2 / line_density
-    bend = np.roll(state.row("BEND") * state.row("INV_VORONOI"), -1) * heavy
+    springs = state.row("BEND") * state.row("INV_VORONOI")
+    bend = 0.5 * (springs + np.roll(springs, -1)) * state.row("INV_J1")
     contact = (stiffness or 0.0) / line_density
     dt = float(1 / np.sqrt(np.max(shear + np.maximum(stretch, bend) + contact)))
     z = (viscous or 0.0) / dt

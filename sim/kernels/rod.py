@@ -107,9 +107,9 @@ def turn_between_elements(buf, n):
     sharp = 0
     for i in range(1, n):
         v0, v1, v2, z = relative_rotation(buf, i)
+        z = z if buf[INV_VORONOI + i] > 0.0 else 0.0  # no vertex between two rods
         buf[L0 + i], buf[L1 + i], buf[L2 + i], buf[R1 + i] = v0, v1, v2, z
-        scale = buf[INV_VORONOI + i]  # zero between two rods, where no vertex is
-        sharp += 1 if z * scale > SERIES_LIMIT * scale else 0
+        sharp += 1 if z > SERIES_LIMIT else 0
     return sharp
 
 
@@ -135,7 +135,7 @@ def couple_elements(buf, n, viscous):
 def bend_sharply(buf, n):
     """Repeat the vertices that turn too far for the series, with the exact logarithm."""
     for i in range(1, n):
-        if buf[R1 + i] > SERIES_LIMIT and buf[INV_VORONOI + i] > 0.0:
+        if buf[R1 + i] > SERIES_LIMIT:
             p0, p1, p2 = logarithm(buf, i)
             theta = math.sqrt(p0 * p0 + p1 * p1 + p2 * p2)
             buf[L0 + i], buf[L1 + i], buf[L2 + i] = p0, p1, p2
