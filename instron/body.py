@@ -15,7 +15,7 @@ import pandas as pd
 
 from instron.errors import Unreadable
 from instron.layout import Header, find_header, is_row, split_cells
-from instron.numerals import Unclear, decimal_mark, grouped_regularly, looks_numeric, to_numbers
+from instron.numerals import Unclear, decimal_mark, grouping, looks_numeric, to_numbers
 from instron.source import Source
 
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
@@ -48,15 +48,13 @@ def read_bodies(source: Source, header: Header, delimiter: str) -> list[Body]:
 def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     """Return the body if the rest of the file is one clean table, else None."""
     start = _offset(source, header.first_row)
-    mark, thousands = _simple_marks(source, start, delimiter)
+    mark, thousands = _simple_marks(source, start, delimiter, header.width)
     if mark is None or not _last_line_is_whole(source, header, delimiter):
         return None
     table = _pandas(source, header, delimiter, (mark, thousands), start)
     if table is None or any(table[i].dtype.kind not in "fi" for i in header.used()):
         return None
     values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
-    if thousands and all(np.array_equal(v, np.round(v), equal_nan=True) for v in values.values()):
-        return None  # no decimal point among the used numbers proves that commas group
     gaps = [i for i in header.used() if np.isnan(values[i]).any()]
     torn = header.first_unnamed() in table and table[header.first_unnamed()].notna().any()
     if torn or (gaps and len(header.specimens) == 1):
@@ -76,21 +74,24 @@ def _offset(source: Source, line: int) -> int:
 
 
 def _simple_marks(
-    source: Source, start: int, delimiter: str
+    source: Source, start: int, delimiter: str, width: int
 ) -> tuple[str | None, str | None]:
     """Return decimal and thousands mark where the bytes of the body leave no doubt, else None."""
     comma, point, quote = (source.data.find(mark, start) >= 0 for mark in (b",", b".", b'"'))
     if delimiter == ",":
-        if not quote or not re.search(rb"\d,\d", source.data[start:]):
-            return ".", None
-        regular = point and grouped_regularly(source.data, start)
-        return (".", ",") if regular else (None, None)
+        found = grouping(source.data, start, _all_quoted(source, start, width)) if quote else "none"
+        return {"none": (".", None), "regular": (".", ",")}.get(found, (None, None))
     if not comma:
         return ".", None
     # A comma that three digits do not follow cannot group thousands.
     if not point and re.search(rb"\d,(?!\d{3}(?!\d))\d|(?<!\d)0,\d", source.data[start:]):
         return ",", None
     return None, None
+
+
+def _all_quoted(source: Source, start: int, width: int) -> bool:
+    body = source.data[start:]
+    return body.count(b'"') == 2 * width * (body.count(b"\n") + (not source.ends_in_newline()))
 
 
 def _pandas(

@@ -104,6 +104,7 @@ def to_numbers(cells: pd.Series, mark: str) -> tuple[np.ndarray, bool]:
     for position in odd:
         values[position] = _grouped_number(texts[position], mark, int(position))
     _refuse_lost_decimals(values, texts, odd)
+    _refuse_unproven_groups(texts, odd, simple, mark)
     return values, bool(len(odd))
 
 
@@ -129,25 +130,57 @@ def _refuse_lost_decimals(values: np.ndarray, texts: np.ndarray, odd: np.ndarray
         )
 
 
+def _refuse_unproven_groups(
+    texts: np.ndarray, odd: np.ndarray, simple: np.ndarray, mark: str
+) -> None:
+    """Refuse ``1,490`` in a column of decimals unless ``1,490.5`` shows that commas group there."""
+    other = "," if mark == "." else "."
+    grouped = [i for i in odd if other in texts[i]]
+    if not grouped or any(mark in texts[i] for i in grouped):
+        return
+    if any(mark in text for text in texts[simple]):
+        raise Unclear(
+            f"'{texts[grouped[0]]}' could be a decimal or a thousand: no number with both marks"
+            " tells",
+            int(grouped[0]),
+        )
+
+
 CHUNK = 1 << 22
 QUOTE, COMMA, POINT, ZERO, NINE = b"\",.09"
 SIGNS = list(b"+-")
 
 
-def grouped_regularly(data: Any, start: int) -> bool:
-    """Tell whether every comma inside quotes groups exactly three digits, as in ``"1,424.96"``.
+def grouping(data: Any, start: int, all_quoted: bool) -> str:
+    """Return whether commas inside quotes group thousands: ``"none"``, ``"regular"``, ``"unclear"``.
 
-    ``data`` are the bytes of a comma-delimited body from ``start`` on, mapped or not. A number
-    with two groups and no decimals is not called regular: it could have lost its decimal point.
+    Regular means one group of exactly three digits with a decimal point after it, as in
+    ``"1,424.96"``; what else there may be is for the exact way to judge.
+
+    Parameters
+    ----------
+    data
+        Bytes of a comma-delimited file, mapped or not.
+    start
+        Where its body starts.
+    all_quoted
+        Every cell is quoted, so a comma between digits is inside quotes.
     """
+    found = "none"
     while start < len(data):
         stop = data.find(b"\n", min(start + CHUNK, len(data) - 1)) + 1 or len(data)
         text = np.frombuffer(b"\0" * 8 + data[start:stop] + b"\0" * 8, dtype=np.uint8)
-        inside = np.cumsum(text == QUOTE, dtype=np.uint8) & 1
-        if not _regular(text, np.flatnonzero((text == COMMA) & (inside == 1))):
-            return False
+        inside = text == COMMA
+        if all_quoted:
+            inside[1:-1] &= (text[:-2] >= ZERO) & (text[2:] >= ZERO)
+        else:
+            inside &= (np.cumsum(text == QUOTE, dtype=np.uint8) & 1).astype(bool)
+        commas = np.flatnonzero(inside)
+        if not _regular(text, commas):
+            return "unclear"
+        found = "regular" if len(commas) else found
         start = stop
-    return True
+    return found
 
 
 def _regular(text: np.ndarray, comma: np.ndarray) -> bool:
@@ -159,6 +192,5 @@ def _regular(text: np.ndarray, comma: np.ndarray) -> bool:
     two = digit(-2)
     first = comma - 1 - two - (two & digit(-3))
     opened = (text[first - 1] == QUOTE) | np.isin(text[first - 1], SIGNS)
-    closed = (text[comma + 4] == POINT) | (text[comma + 4] == QUOTE)
-    good = digit(-1) & (text[first] != ZERO) & digit(1) & digit(2) & digit(3) & opened & closed
-    return bool(good.all())
+    three = digit(1) & digit(2) & digit(3) & (text[comma + 4] == POINT)
+    return bool((digit(-1) & (text[first] != ZERO) & opened & three).all())
