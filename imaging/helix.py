@@ -21,7 +21,7 @@ from imaging.helix_count import (
 )
 from imaging.helix_edges import Edges, find_edges
 from imaging.helix_fit import PENALISED, Fit, fit
-from imaging.helix_model import Layout, Model, basis, knots
+from imaging.helix_model import Layout, Model, basis, knots, offsets
 from imaging.helix_pair import pair_membership, rough_radius, twisted_pair
 from imaging.photo import Photo
 from imaging.segment import Segmentation, segment
@@ -166,6 +166,7 @@ class _Start:
     r: float
     R: float
     pitch: float
+    middle: Array
     spread: Mask
     turns: HalfTurns
 
@@ -186,7 +187,8 @@ def _first_look(membership: NDArray[np.float32], root: str) -> _Start:
     smooth = smoothed(axis, pitch / 4)
     place = _places(smooth, axis)
     turns = replace(turns, s=np.interp(turns.s, place, smooth.s))
-    return _Start(smooth, r, R, pitch, np.interp(place, axis.s, spread) > 0.5, turns)
+    middle = offsets(smooth, np.interp(axis.s, place, smooth.s), axis.points)
+    return _Start(smooth, r, R, pitch, middle, np.interp(place, axis.s, spread) > 0.5, turns)
 
 
 def _places(axis: Axis, other: Axis) -> Array:
@@ -246,15 +248,16 @@ def _fit_all(
 
 
 def _first_model(start: _Start, shape: tuple[int, ...]) -> Model:
-    """Splines through the first phase; ten knots a pitch for it, six for the axis, one for R."""
+    """Splines through the first phase; 16 knots a pitch for it, 8 for the axis, one for R."""
     axis, end = start.axis, start.axis.s[-1]
     layout = Layout(
         *(knots(0.0, end, start.pitch / n) for n in (16, 8, 1)),
     )
     beta = np.zeros(layout.size)
     phase = first_phase(start.turns, axis.s)
-    middles = layout.phi[2:-2]
-    beta[layout.blocks["phi"]] = np.interp(middles, axis.s, phase)
+    # A B-spline's coefficients are close to the curve at the middles of its basis functions.
+    beta[layout.blocks["phi"]] = np.interp(layout.phi[2:-2], axis.s, phase)
+    beta[layout.blocks["mid"]] = np.interp(layout.mid[2:-2], axis.s, start.middle)
     beta[layout.blocks["R"]] = start.R
     beta[layout.blocks["radii"]] = start.r
     centre = np.array([(shape[1] - 1) / 2, (shape[0] - 1) / 2])

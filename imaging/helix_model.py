@@ -143,7 +143,7 @@ def outlines(model: Model) -> Array:
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         normal = np.column_stack([along[:, 1], -along[:, 0]])
         for j, q in enumerate((-1.0, 1.0)):
-            across[k, j] = _offsets(axis, table.s, strand + q * r * normal)
+            across[k, j] = offsets(axis, table.s, strand + q * r * normal)
     return across
 
 
@@ -179,7 +179,7 @@ def _tabulate(model: Model) -> Table:
     return Table(s, points, tangents, normals, speed, np.stack([points + offset, points - offset]))
 
 
-def _offsets(axis: Axis, s: Array, points: Array) -> Array:
+def offsets(axis: Axis, s: Array, points: Array) -> Array:
     """Where a curve known at (s, points) crosses the sections of an axis."""
     for _ in range(3):
         base = np.column_stack([np.interp(s, axis.s, axis.points[:, i]) for i in (0, 1)])
