@@ -47,12 +47,18 @@ def read_to_scale(
     imaging.Unmeasurable
         If the file is not a photograph.
     """
-    photo = imaging.read_photo(path)
+    return to_scale(imaging.read_photo(path), marker_side=marker_side, pixel_size=pixel_size)
+
+
+def to_scale(
+    photo: imaging.Photo, *, marker_side: float | None = None, pixel_size: float | None = None
+) -> tuple[imaging.Photo, float]:
+    """Find the size of a photograph's pixels as `read_to_scale` does."""
     if marker_side is None:
         if pixel_size is None:
-            raise UserError(f"{path}: give marker_side or pixel_size, in metres")
+            raise UserError(f"{photo.source}: give marker_side or pixel_size, in metres")
         return photo, pixel_size
-    corners = find_marker(photo, str(path))
+    corners = find_marker(photo)
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     mask = _covered(corners, photo.shape)
     if photo.ignore is not None:
@@ -60,7 +66,7 @@ def read_to_scale(
     return replace(photo, ignore=mask), float(marker_side / edges.mean())
 
 
-def find_marker(photo: imaging.Photo, name: str) -> NDArray[np.float32]:
+def find_marker(photo: imaging.Photo) -> NDArray[np.float32]:
     """Corners of the only ArUco marker in a photograph, (4, 2) [px], clockwise from top left."""
     rgb = np.round(255 * photo.rgb()).astype(np.uint8)
     settings = cv2.aruco.DetectorParameters()
@@ -69,12 +75,12 @@ def find_marker(photo: imaging.Photo, name: str) -> NDArray[np.float32]:
         finder = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(dictionary), settings)
         found, _, _ = finder.detectMarkers(rgb)
         if len(found) > 1:
-            raise UserError(f"{name}: {len(found)} ArUco markers; keep one in the picture")
+            raise UserError(f"{photo.source}: {len(found)} ArUco markers; keep one in the picture")
         if found:
             return found[0][0]
     raise UserError(
-        f"{name}: no ArUco marker found (dictionaries {', '.join(DICTIONARIES)}); show it whole "
-        "and sharp, or give pixel_size in metres instead of marker_side"
+        f"{photo.source}: no ArUco marker found (dictionaries {', '.join(DICTIONARIES)}); show it "
+        "whole and sharp, or give pixel_size in metres instead of marker_side"
     )
 
 

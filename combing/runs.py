@@ -83,10 +83,18 @@ def simulating(
         try:
             yield finished
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in list(pool._processes.values()):
-                process.terminate()
+            _stop(pool)
             raise
+
+
+def _stop(pool: ProcessPoolExecutor) -> None:
+    """Stop simulations in mid-run: what they would find is not wanted any more."""
+    processes = list(pool._processes.values())
+    for process in processes:
+        process.kill()
+    for process in processes:
+        process.join()
+    pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _watch(futures: list[Future], fractions: Any, quiet: bool) -> None:

@@ -134,6 +134,8 @@ class LinkSet(_Photographs):
         Scale of the photographs: side of the ArUco marker in them [m], or size of a pixel [m].
     simulation : Path, optional
         Scene (``.toml``) to simulate or finished run (``.nc``).
+    photograph_simulation : bool
+        Also render the simulation and measure the picture, to know the error of the imaging.
     truth : Path, optional
         Table of the true link density of each photograph (photo, s, link), if it is known.
     """
@@ -142,6 +144,7 @@ class LinkSet(_Photographs):
     before: File | None = None
     root: Literal["top", "bottom", "left", "right"] = "top"
     simulation: File | None = None
+    photograph_simulation: bool = False
 
 
 class CurlSet(_Photographs):

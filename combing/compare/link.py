@@ -14,9 +14,11 @@ import imaging
 import sim
 from combing.compare.comparison import Comparison, error_row, says_synthetic
 from combing.errors import UserError
-from combing.photographs import read_to_scale
+from combing.photographs import read_to_scale, to_scale
 from combing.study import LinkSet, tine_positions
 from combing.tables import read_table
+from combing.virtual_lab.helix_photos import Shot, take
+from combing.virtual_lab.photographs import MARKER_SIDE
 
 
 def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
@@ -80,6 +82,8 @@ def compare_link(
         curves = {"experiment": seen}
         if run is not None:
             curves["simulation"] = simulated_link(run, d, seen.attrs["resolution"])
+            if chosen.photograph_simulation:
+                curves["camera"] = photographed_link(run, d)
         tine = d + tine_start(run) if run is not None else np.nan
         parts += [_plotted(chosen.name, source, curve, d, tine) for source, curve in curves.items()]
         rows.append(_row(chosen.name, seen.attrs["photo"], d, curves))
@@ -102,6 +106,21 @@ def simulated_link(run: sim.Run, d: float, resolution: float) -> pd.DataFrame:
     found = sim.link_density(first, second, resolution=resolution)
     found.attrs |= {"d": float(run.displacements[snapshot])}
     return found
+
+
+def photographed_link(run: sim.Run, d: float) -> pd.DataFrame:
+    """Link density of the same snapshot through the camera: rendered, then measured.
+
+    Raises
+    ------
+    combing.errors.UserError
+        If pyvista is not installed.
+    """
+    snapshot = nearest_snapshot(run, d)
+    shot = Shot(f"simulation_{snapshot}", snapshot, float(run.displacements[snapshot]))
+    picture = imaging.Photo(take(run, shot, rng=snapshot), source=shot.name)
+    photo, pixel = to_scale(picture, marker_side=MARKER_SIDE)
+    return measure_helix(photo, pixel, "top")
 
 
 def nearest_snapshot(run: sim.Run, d: float) -> int:
@@ -146,6 +165,10 @@ def _row(name: str, photo: str, d: float, curves: Mapping[str, pd.DataFrame]) ->
         row["λ, simulation (1/m)"] = float(np.mean(there[seen["link"].notna()]))
         row["RMS difference (1/m)"] = rms(seen["link"] - there)
         row["d, simulation (m)"] = model.attrs["d"]
+    if "camera" in curves:
+        camera, model = curves["camera"], curves["simulation"]
+        there = np.interp(camera["s"], model["s"], model["link"])
+        row["RMS error of the imaging (1/m)"] = rms(camera["link"] - there)
     return row
 
 

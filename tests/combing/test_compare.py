@@ -1,0 +1,230 @@
+"""The comparison where its answer is known: an experiment that is the simulation itself."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import instron
+import sim
+from combing.compare.comparison import joined
+from combing.compare.curl import compare_curl, count_interactions, project_curl
+from combing.compare.force import compare_force, measure_force
+from combing.compare.link import (
+    averaged,
+    compare_link,
+    nearest_snapshot,
+    simulated_link,
+    tine_start,
+)
+from combing.errors import UserError
+from combing.runs import run_name, simulating
+from combing.study import CurlSet, ForceSet, LinkSet
+from combing.tables import read_table, write_table
+from combing.virtual_lab.machine import LoadCell, record
+
+SHORT = {"turns": 4, "elements_per_pitch": 8, "speed": 0.4, "samples_per_pitch": 100}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("runs")
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return sim.double_helix(24, **SHORT)
+
+
+@pytest.fixture(scope="module")
+def run(scene, folder):
+    with simulating({"helix": scene}, folder, jobs=1, quiet=True) as wait:
+        return wait()["helix"]
+
+
+@pytest.fixture(scope="module")
+def force_set(run, folder):
+    log = run.force_log()
+    peak = log["force"].max()
+    for number in (1, 2):
+        cell = LoadCell(0.01 * number * peak, 0.0, noise=2e-3 * peak, resolution=1e-5 * peak)
+        noisy = record(log, cell, samples=len(log) // 2, rng=number)
+        instron.write_bluehill(
+            folder / f"log_{number}.csv", noisy, {"Origin": "synthetic"}, decimals=9
+        )
+    truth = pd.concat(
+        [log[["time", "displacement", "force"]].assign(log=f"log_{k}") for k in (1, 2)]
+    )
+    write_table(folder / "truth.csv", truth)
+    helix = run.scene.rods[0]
+    (folder / "rig.toml").write_text(
+        f"r = {helix.radius}\nE = {helix.material.E}\nzero = 'start'\n"
+        f"pitch = {helix.shape.pitch}\nhelix_radius = {helix.shape.radius}\nturns = 4\n"
+    )
+    return ForceSet.model_construct(
+        name="helix",
+        logs=[folder / "log_1.csv", folder / "log_2.csv"],
+        rig=folder / "rig.toml",
+        simulation=folder / "scene.toml",
+        active_length=None,
+        truth=folder / "truth.csv",
+    )
+
+
+def test_a_scene_is_simulated_once(scene, run, folder):
+    path = folder / run_name(scene)
+    before = path.stat().st_mtime_ns
+    with simulating({"a": scene, "b": scene}, folder, jobs=1, quiet=True) as wait:
+        runs = wait()
+    assert path.stat().st_mtime_ns == before
+    pd.testing.assert_frame_equal(runs["a"].force_log(), run.force_log())
+
+
+def test_another_parameter_is_another_run(scene):
+    assert run_name(scene) != run_name(scene.model_copy(update={"seed": 1}))
+
+
+def test_a_scene_that_cannot_be_run_says_so_and_leaves_nothing(scene, tmp_path):
+    wrong = scene.model_copy(update={"time_step": 1.0})
+    with (
+        simulating({"wrong": wrong}, tmp_path / "runs", jobs=1, quiet=True) as wait,
+        pytest.raises(sim.SceneError, match="stability limit"),
+    ):
+        wait()
+    assert not list(tmp_path.rglob("*.nc"))
+
+
+def test_a_failure_beside_the_runs_stops_them(scene, tmp_path, capfd):
+    slow = scene.model_copy(update={"seed": 5})
+    with (
+        pytest.raises(UserError, match="elsewhere"),
+        simulating({"slow": slow}, tmp_path, jobs=1, quiet=True),
+    ):
+        raise UserError("elsewhere")
+    assert not list(tmp_path.rglob("*.nc"))
+    assert capfd.readouterr().err == ""
+
+
+def test_an_experiment_that_is_the_simulation_agrees_with_it(force_set, run):
+    found = compare_force(force_set, measure_force(force_set), {force_set.simulation: run})
+    apart = dict(found.numbers)["Simulation against every repeat"].set_index("experiment")
+    assert abs(apart.loc["mean", "f_max_error"]) < 0.02
+    assert apart.loc["mean", "nrmse"] < 0.02
+    assert found.synthetic
+    sources = found.plotted.groupby("source")["curve"].unique()
+    assert set(sources["theory"]) == {"free", "blocked"}
+
+
+def test_force_errors_against_truth_are_those_of_the_noise(force_set, run):
+    errors = compare_force(force_set, measure_force(force_set), {force_set.simulation: run}).errors
+    relative = (errors["error"] / errors["truth"]).abs()
+    assert relative[errors["quantity"] == "w"].max() < 0.01
+    assert relative[errors["quantity"] == "f_max"].max() < 0.02
+
+
+def test_truth_without_the_log_is_named(force_set, run):
+    write_table(force_set.truth.with_name("few.csv"), read_table(force_set.truth, []).head(3))
+    few = force_set.model_copy(update={"truth": force_set.truth.with_name("few.csv")})
+    with pytest.raises(UserError, match="no rows with log = log_2"):
+        compare_force(few, measure_force(few)[1:], {few.simulation: run})
+
+
+def test_averaging_a_ramp_keeps_its_middle_and_conserves_link():
+    s = np.linspace(0, 1, 401)
+    ramp = averaged(s, 3 * s, np.array([0.2, 0.5]), 0.1)
+    np.testing.assert_allclose(ramp, [0.6, 1.5], rtol=1e-6)
+    step = np.where(s > 0.5, 1.0, 0.0)
+    at = np.linspace(0.1, 0.9, 801)
+    smooth = averaged(s, step, at, 0.1)
+    assert np.trapezoid(smooth, at) == pytest.approx(0.4, abs=2e-3)
+
+
+def test_the_last_of_equally_near_snapshots_is_taken(run):
+    still = np.flatnonzero(run.displacements == run.displacements[0])
+    assert nearest_snapshot(run, 0.0) == still[-1]
+    assert nearest_snapshot(run, 1.0) == len(run.displacements) - 1
+
+
+def test_tine_starts_a_pitch_below_the_clamp(run):
+    assert tine_start(run) == pytest.approx(run.scene.rods[0].shape.pitch)
+
+
+def link_set(**more):
+    facts = {"name": "a", "positions": [0.0, 0.01], "simulation": "run", "truth": None}
+    facts |= {"photograph_simulation": False, "before": None} | more
+    return LinkSet.model_construct(**facts)
+
+
+def seen(run, d, photo):
+    table = simulated_link(run, d, 0.005)
+    table.attrs |= {"photo": photo, "resolution": 0.005, "lean": 0.0, "warnings": ["w"]}
+    table.attrs |= {"synthetic": False}
+    return table
+
+
+def test_link_density_of_the_simulation_itself_agrees(run, tmp_path):
+    photos = [tmp_path / "p0.jpg", tmp_path / "p1.jpg"]
+    measured = [seen(run, 0.0, "p0"), seen(run, 0.01, "p1")]
+    exact = []
+    for d, photo in ((0.0, "p0"), (0.01, "p1")):
+        strands = run.strands(nearest_snapshot(run, d))
+        exact.append(sim.link_density(*strands)[["s", "link"]].assign(photo=photo))
+    write_table(tmp_path / "truth.csv", pd.concat(exact))
+    chosen = link_set(photos=photos, truth=tmp_path / "truth.csv")
+    found = compare_link(chosen, None, measured, {"run": run})
+    rows = dict(found.numbers)["Link density"]
+    assert rows["RMS difference (1/m)"].max() == pytest.approx(0, abs=1e-9)
+    spread = found.errors[found.errors["quantity"] == "λ(s), RMS"]
+    assert spread["error"].max() < 0.05 * 1 / run.scene.rods[0].shape.pitch
+    assert found.notes == ["a, p0: w", "a, p1: w"]
+
+
+def test_before_combing_the_link_density_is_one_over_the_pitch(run):
+    link = simulated_link(run, 0.0, 0.005)
+    pitch = run.scene.rods[0].shape.pitch
+    first, second = run.strands(0)
+    middle = sim.link_density(first, second, resolution=pitch)["link"].iloc[12:20]
+    np.testing.assert_allclose(middle, 1 / pitch, rtol=0.01)
+    assert len(link) > 20
+
+
+def braid(n, turns):
+    s = np.linspace(0, 0.1, 400)
+    lag = 2 * np.pi * np.arange(n) / n
+    wave = [np.sin(2 * np.pi * turns * s / 0.1 + one) for one in lag]
+    return [np.column_stack([0.002 * one, s]) for one in wave]
+
+
+def test_equal_curls_have_equal_densities(run):
+    lines = braid(3, 5)
+    found = count_interactions(lines, 1.0, 20)
+    found.attrs |= {"sample": "a", "synthetic": False}
+    chosen = CurlSet.model_construct(name="c", strands=4, simulations=None, truth=None)
+    result = compare_curl(chosen, [found, found], {}, 20)
+    densities = result.plotted.groupby("N")["density"].agg(["min", "max"])
+    assert (densities["min"] == densities["max"]).all()
+    assert len(result.notes) == 2
+    assert "3 strands found where there are 4" in result.notes[0]
+
+
+def test_densities_are_per_metre_whatever_the_unit_of_the_strands():
+    metres = count_interactions(braid(3, 5), 1.0, 20)
+    pixels = count_interactions([line / 5e-5 for line in braid(3, 5)], 5e-5, 20)
+    np.testing.assert_allclose(metres["density"], pixels["density"])
+    assert metres.attrs["length"] == pytest.approx(pixels.attrs["length"])
+
+
+def test_a_hanging_curl_is_projected_root_up(run):
+    for line in project_curl(run):
+        assert line[0, 1] < line[-1, 1]
+
+
+def test_sets_are_joined_under_one_caption():
+    from combing.compare.comparison import Comparison
+
+    one = Comparison(pd.DataFrame({"a": [1]}), [("t", pd.DataFrame({"b": [1]}))], notes=["x"])
+    two = Comparison(pd.DataFrame({"a": [2]}), [("t", pd.DataFrame({"b": [2]}))], synthetic=True)
+    both = joined([one, two])
+    assert both.plotted["a"].tolist() == [1, 2]
+    assert both.numbers[0][1]["b"].tolist() == [1, 2]
+    assert both.synthetic
+    assert both.notes == ["x"]
