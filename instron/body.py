@@ -59,6 +59,8 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     torn = header.first_unnamed() in table and table[header.first_unnamed()].notna().any()
     if torn or (gaps and len(header.specimens) == 1):
         return None
+    if not _rows_are_lines(source, start, len(table)):
+        return None
     if not _first_row_agrees(source, header, delimiter, mark, values):
         return None
     lines = np.arange(header.first_row, header.first_row + len(table))
@@ -148,6 +150,13 @@ def _decimals(cell: str) -> int:
     return len(re.sub(r"^[^.,]*[.,]?", "", cell))
 
 
+def _rows_are_lines(source: Source, start: int, rows: int) -> bool:
+    """Return False if a line break inside quotes may have joined two lines."""
+    if source.data.find(b'"', start) < 0:
+        return True
+    return rows == source.data[start:].count(b"\n") + (not source.ends_in_newline())
+
+
 def _first_row_agrees(
     source: Source, header: Header, delimiter: str, mark: str, values: dict[int, np.ndarray]
 ) -> bool:
@@ -195,9 +204,7 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
             break
         _refuse_damaged(source, number, cells, used)
         return rows, number, []
-    return *_without_cut_row(source, header, rows, delimiter), _notes(
-        source, header, rows, delimiter
-    )
+    return _without_cut_row(source, header, rows, delimiter)
 
 
 def _is_last_and_open(source: Source, number: int) -> bool:
@@ -225,23 +232,15 @@ def _refuse_damaged(source: Source, number: int, cells: list[str], used: list[in
 
 def _without_cut_row(
     source: Source, header: Header, rows: list[int], delimiter: str
-) -> tuple[list[int], int]:
+) -> tuple[list[int], int, list[str]]:
+    """Return the rows without a last one that the file's end cuts, and a note saying so."""
     last = len(source.lines) - 1
-    if rows and rows[-1] == last and not source.ends_in_newline():
-        tail = source.lines[max(header.first_row, last - 40) :]
-        if _is_cut(tail, header, delimiter):
-            rows = rows[:-1]
-    return rows, last + 1
-
-
-def _notes(source: Source, header: Header, rows: list[int], delimiter: str) -> list[str]:
-    last = len(source.lines) - 1
-    if source.ends_in_newline() or not source.lines[last].strip():
-        return []
     tail = source.lines[max(header.first_row, last - 40) :]
-    if _is_cut(tail, header, delimiter) or (rows and rows[-1] < last):
-        return [f"line {last + 1}: the file stops inside this row; 1 row lost, {len(rows)} kept"]
-    return []
+    cut = not source.ends_in_newline() and _is_cut(tail, header, delimiter)
+    whole = [row for row in rows if row != last] if cut else rows
+    lost = cut or (whole[-1:] != [last] and not source.ends_in_newline())
+    note = f"line {last + 1}: the file stops inside this row; 1 row lost, {len(whole)} kept"
+    return whole, last + 1, [note] if lost and source.lines[last].strip() else []
 
 
 def _next_header(source: Source, header: Header, stop: int, delimiter: str) -> Header | None:

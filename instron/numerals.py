@@ -147,7 +147,7 @@ def _refuse_unproven_groups(
 
 
 CHUNK = 1 << 22
-QUOTE, COMMA, POINT, ZERO, NINE = b"\",.09"
+QUOTE, COMMA, POINT, ZERO, NINE = b'",.09'
 SIGNS = list(b"+-")
 
 

@@ -161,10 +161,10 @@ def _complete_rows(source: Source, body: Body, specimen: Specimen) -> np.ndarray
     Specimens side by side end at different rows, and spreadsheets leave rows of bare delimiters.
     """
     columns = [body.values[c.index] for c in specimen.values()]
-    gaps = np.isnan(columns)
+    gaps = np.isnan(np.array(columns))
     if not gaps.any():
         return slice(None)
-    own = gaps[[q != "time" for q in specimen]]
+    own = gaps[[q != "time" for q in specimen], :]
     empty = own.all(axis=0)
     broken = np.flatnonzero(gaps.any(axis=0) & ~empty)
     filled = np.flatnonzero(~empty)
@@ -200,7 +200,8 @@ def _provenance(
     number: int,
     delimiter: str,
     written: Mapping[str, tuple[str, bool]],
-) -> dict[str, Any]:
+) -> dict[Any, Any]:
+    """Return where a table comes from and how its file is written."""
     header = body.header
     head = source.head if header.line < len(source.head) else source.lines
     facts = metadata(head[: header.line], delimiter)

@@ -163,12 +163,12 @@ def _turning_points(curve: pd.DataFrame) -> pd.DataFrame:
 
 def _row(curve: pd.DataFrame, found: pd.DataFrame) -> dict[str, object]:
     inside = curve[(curve["x"] >= 0) & (curve["x"] <= 1)]
-    top = inside["f"].idxmax()
+    top = int(np.argmax(inside["f"].to_numpy()))
     W, w = work(curve)
     return {
         "specimen": str(curve.attrs.get("specimen", "")),
-        "f_max": float(inside["f"][top]),
-        "x_max": float(inside["x"][top]),
+        "f_max": float(inside["f"].iloc[top]),
+        "x_max": float(inside["x"].iloc[top]),
         "w": w,
         "W": W,
         "D": float(curve.attrs.get("D", np.nan)),

@@ -88,8 +88,8 @@ def work(curve: pd.DataFrame) -> tuple[float, float]:
 
 def _area(y: pd.Series, x: pd.Series) -> float:
     """Return the integral of y over x by the trapezoidal rule."""
-    y, x = y.to_numpy(), x.to_numpy()
-    return float(np.sum(np.diff(x) * (y[1:] + y[:-1])) / 2)
+    height, step = y.to_numpy(), np.diff(x.to_numpy())
+    return float(np.sum(step * (height[1:] + height[:-1])) / 2)
 
 
 @dataclass(frozen=True)

@@ -10,23 +10,28 @@ import unicodedata
 
 QUANTITIES = ("time", "displacement", "force")
 
+
+def _set(words: str) -> set[str]:
+    return set(words.split())
+
+
 WORDS = {
-    "time": set(
+    "time": _set(
         "time zeit prufzeit testzeit laufzeit messzeit temps tiempo tempo czas tid tijd aika cas"
-        " ido elapsed время".split()
+        " ido elapsed время"
     ),
-    "displacement": set(
+    "displacement": _set(
         "extension extn ext crosshead displacement disp displ position traverse stroke travel lvdt"
         " elongation course weg standardweg traversenweg verfahrweg maschinenweg kolbenweg"
         " deplacement allongement desplazamiento alargamiento extensao deslocamento alongamento"
         " spostamento corsa allungamento przemieszczenie wydłuzenie wydluzenie droga posuv"
         " forskjutning verplaatsing deflection stretch verlangerung"
-        " перемещение удлинение".split()
+        " перемещение удлинение"
     ),
-    "force": set(
+    "force": _set(
         "load force kraft standardkraft prufkraft last belastung charge effort carga fuerza forca"
         " forza carico siła sila obciazenie obciążenie kracht sila zatizeni loadcell"
-        " сила нагрузка усилие".split()
+        " сила нагрузка усилие"
     ),
 }
 
@@ -38,13 +43,13 @@ PIECES = {
 }
 
 # A cell with one of these is a result or another channel, whatever else it says.
-OTHER_THINGS = set(
+OTHER_THINGS = _set(
     "rate strain stress speed velocity geschwindigkeit vitesse velocidad max maximum min minimum"
     " maxima maximale maximal peak break bruch rupture rotura at bei yield modulus energy energie"
     " energia work arbeit count number cycle cycles cycling strength percent percentage true slope"
     " area width length thickness temperature spannung dehnung contrainte esfuerzo voltage pressure"
     " ratio average mean std sd target setpoint command limit stiffness toughness creep"
-    " odksztalcenie naprezenie start end date hold preload threshold".split()
+    " odksztalcenie naprezenie start end date hold preload threshold"
 )
 OTHER_PIECES = (
     "应变",
@@ -60,21 +65,21 @@ OTHER_PIECES = (
     "面积",
 )
 
-CROSSHEAD = set(
+CROSSHEAD = _set(
     "machine crosshead traverse traversenweg standardweg stroke course actuator maschinenweg"
-    " kolbenweg querhaupt".split()
+    " kolbenweg querhaupt"
 )
-ABSOLUTE = set("absolute absolu absolue absolut position pos raw absoluta".split())
-GAUGE = set(
+ABSOLUTE = _set("absolute absolu absolue absolut position pos raw absoluta")
+GAUGE = _set(
     "extensometer strain gauge gage video dic ave laser optical wegaufnehmer feindehnung"
-    " extensometre extensometro le".split()
+    " extensometre extensometro le"
 )
 # Read as displacement only when the unit is a length and no better column exists.
-LENGTHENING = set(
+LENGTHENING = _set(
     "dehnung verformung deformation deformacion deformazione deformacao extensometer strain"
-    " extensometre extensometro wegaufnehmer".split()
+    " extensometre extensometro wegaufnehmer"
 )
-SECONDARY = set("step segment corrected compensated korrigiert secondary aux auxiliary".split())
+SECONDARY = _set("step segment corrected compensated korrigiert secondary aux auxiliary")
 
 UNITS = {
     "time": {
@@ -119,11 +124,11 @@ _UNIT_OF = {
     for word in words.split()
 }
 
-OTHER_UNITS = set(
+OTHER_UNITS = _set(
     "% mpa gpa kpa pa psi ksi msi mm/mm in/in n/mm n/mm² n/mm2 n/mm^2 kn/mm² n/m n/tex cn/tex g/den"
     " gf/den j mj kj nm n·m n.m v mv volt volts deg degree degrees ° °c c °f k hz mm/min mm/s in/min"
     " mm² mm2 mm^2 cycles cycle count strain mm/mm% m/m cel s-1 1/s %/min mv/v kgf/mm2 kgf/mm²"
-    " kgf/cm² kgf/cm2 - none".split()
+    " kgf/cm² kgf/cm2 - none"
 )
 VOLTS = {"v", "mv", "volt", "volts", "mv/v", "uv", "µv"}
 

@@ -42,7 +42,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """Turn force logs into scaled curves f(x), with repeats, events and Love's curve.
+    r"""Turn force logs into scaled curves f(x), with repeats, events and Love's curve.
 
     FILES are exports (CSV, TXT, TRA, DAT) or folders of them; each specimen is one repeat.
 
@@ -291,8 +291,8 @@ def draw(
 def _write_section(room: Path, curves: list[pd.DataFrame], result: instron.Repeats | None) -> None:
     """Write a section for a report: figure inline, tables, and every warning."""
     svg = (room / "force.svg").read_text(encoding="utf-8")
-    table = _per_repeat(curves, result).to_html(index=False, float_format="%.5g", border=0)
-    summary = result.summary.to_html(float_format="%.5g", border=0) if result else ""
+    table = _per_repeat(curves, result).to_html(index=False, float_format="{:.5g}".format, border=0)
+    summary = result.summary.to_html(float_format="{:.5g}".format, border=0) if result else ""
     notes = [
         f"{c.attrs.get('specimen', '')}: {note}" for c in curves for note in c.attrs["warnings"]
     ]

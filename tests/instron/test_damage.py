@@ -61,7 +61,10 @@ REFUSED = {
     "no header": ("\n".join(body()), "no header"),
     "unknown unit": ("Time (s),Extension (mm),Load (zorg)\n" + "\n".join(body()), "unit|zorg"),
     "ambiguous commas": (TAB + "1\t2\t1,424\n2\t3\t1,425\n", "could be a decimal or a thousand"),
-    "two decimal marks": (TAB + "0.5\t2\t0,25\n0.6\t3\t0,5\n", "decimal (comma.*decimal point|point.*decimal comma)"),
+    "two decimal marks": (
+        TAB + "0.5\t2\t0,25\n0.6\t3\t0,5\n",
+        "decimal (comma.*decimal point|point.*decimal comma)",
+    ),
     "broken grouping": (with_row('2.00,1.0000,"1,42.96"'), "line 23: '1,42.96' is not a number"),
     "header only": (HEAD, "no row of numbers"),
     "stated maximum ten times off": (

@@ -92,7 +92,11 @@ def cycles():
 def german_semicolon_decimal_comma():
     head = '"Prüfer";"Müller"\r\n"Vorkraft";"0,5";"N"\r\n'
     body = rows([T, X, F], comma, ";")
-    return (head + '"Zeit";"Traversenweg";"Last"\r\n"(s)";"(mm)";"(N)"\r\n' + body, [si()], "cp1252")
+    return (
+        head + '"Zeit";"Traversenweg";"Last"\r\n"(s)";"(mm)";"(N)"\r\n' + body,
+        [si()],
+        "cp1252",
+    )
 
 
 def german_grouped_by_points():

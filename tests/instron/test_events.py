@@ -9,7 +9,9 @@ X = np.linspace(0, 1, 5000)
 
 def curve(peaks, noise=0.0, seed=0, x=X, base=1.0):
     """Return a curve with Gaussian peaks (place, height, sd) on a slow hump."""
-    f = base * np.sin(np.pi * x) ** 0.5 + sum(h * np.exp(-(((x - p) / s) ** 2) / 2) for p, h, s in peaks)
+    f = base * np.sin(np.pi * x) ** 0.5 + sum(
+        h * np.exp(-(((x - p) / s) ** 2) / 2) for p, h, s in peaks
+    )
     f = f + noise * np.random.default_rng(seed).standard_normal(len(x))
     table = pd.DataFrame({"x": x, "f": f})
     table.attrs = {"f_noise": noise, "D": 0.08, "B": 1e-4, "l0": 0.01}

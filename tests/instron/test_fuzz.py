@@ -20,7 +20,12 @@ NAMES = {
 }
 UNITS = {"time": ["s", "sec", "min"], "displacement": ["mm", "cm", "in"],
          "force": ["N", "kN", "mN", "lbf", "kgf"]}  # fmt: skip
-EXTRA = [("Tensile stress", "MPa"), ("Strain 1", "%"), ("Cycle count", "cycles"), ("Rate 1", "mm/min")]
+EXTRA = [
+    ("Tensile stress", "MPa"),
+    ("Strain 1", "%"),
+    ("Cycle count", "cycles"),
+    ("Rate 1", "mm/min"),
+]
 
 
 @st.composite
@@ -158,9 +163,7 @@ def literal(text, form):
         line = line.rstrip("\r")
         if not line.strip(form["delimiter"] + ' "'):
             continue
-        cells = re.findall(
-            rf'("[^"]*"|[^{form["delimiter"]}"]*)(?:{form["delimiter"]}|$)', line
-        )
+        cells = re.findall(rf'("[^"]*"|[^{form["delimiter"]}"]*)(?:{form["delimiter"]}|$)', line)
         for quantity, cell in zip(form["order"], cells, strict=False):
             value = number(cell, form["decimal"], form["group"])
             if value is None:
