@@ -161,7 +161,7 @@ class Curl(Part):
             rods=[self._rod(root) for root in self._roots()],
             duration=self.duration,
             gravity=(0.0, 0.0, -9.81),
-            # Hairs barely press on each other: soft contact, 1 N/m sinks in by r/75, long time steps.
+            # Hairs hardly press on each other: with soft contact, 1 N/m sinks in by r/75.
             contact=Contact(stiffness=1e-3 * self.E),
             friction=Friction(forward=self.friction, backward=self.friction)
             if self.friction > 0

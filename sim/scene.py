@@ -87,7 +87,8 @@ class Contact(Part):
     """Contact between rods and with tines: line stiffness [N/m^2], skin of the neighbour list [m].
 
     Left out, the stiffness is 0.3 of the softest rod's Young's modulus and the skin the larger of
-    half the largest radius and a quarter of the longest element. `self_contact` also lets a rod touch itself.
+    half the largest radius and a quarter of the longest element. With `self_contact` a rod may
+    touch itself.
     """
 
     stiffness: Positive | None = None

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import layout, rod
 from sim.scene import Damping, Material, Points, Rod, Scene, Straight
@@ -18,37 +19,6 @@ RUBBER = Material(E=1e6, nu=0.5, density=1000)
 def straight_rod(elements, *, length=0.5, radius=0.01, direction=(1.0, 0.0, 0.0), clamp="root"):
     shape = Straight(direction=direction, length=length)
     return Rod(shape=shape, radius=radius, elements=elements, material=RUBBER, clamp=clamp)
-
-
-def elastic_energy(state):
-    """U = 1/2 sigma.S sigma l + 1/2 (k - k0).B (k - k0) D, written with numpy and scipy."""
-    total = 0.0
-    for number, (first, count) in enumerate(zip(state.first, state.elements, strict=True)):
-        nodes = state.strands()[number]
-        inside = slice(first, first + count)
-        length = state.row("LENGTH")[inside]
-        q = np.stack(
-            [[state.row(f"Q{i}{j}")[inside] for j in range(3)] for i in range(3)]
-        ).transpose(2, 0, 1)
-        sigma = np.einsum("nij,nj->ni", q, np.diff(nodes, axis=0) / length[:, None]) - [0, 0, 1]
-        s = np.stack([state.row(n)[inside] for n in ("SHEAR", "SHEAR", "STRETCH")], axis=1)
-        total += 0.5 * np.sum(s * sigma**2 * length[:, None])
-        inner = slice(first + 1, first + count)
-        voronoi = 1 / state.row("INV_VORONOI")[inner]
-        turn = -Rotation.from_matrix(q[1:] @ q[:-1].transpose(0, 2, 1)).as_rotvec()
-        rest = np.stack([state.row(f"K{k}")[inner] for k in range(3)], axis=1)
-        b = np.stack([state.row(n)[inner] for n in ("BEND", "BEND", "TWIST")], axis=1)
-        total += 0.5 * np.sum(b * (turn / voronoi[:, None] - rest) ** 2 * voronoi[:, None])
-    return total
-
-
-def kinetic_energy(state):
-    v, w = state.rows("V0 V1 V2"), state.rows("W0 W1 W2")
-    inv1, inv3 = state.row("INV_J1"), state.row("INV_J3")
-    j1 = np.divide(1, inv1, out=np.zeros_like(inv1), where=inv1 > 0)
-    j3 = np.divide(1, inv3, out=np.zeros_like(inv3), where=inv3 > 0)
-    spin = j1 * (w[0] ** 2 + w[1] ** 2) + j3 * w[2] ** 2
-    return 0.5 * np.sum(state.row("MASS") * (v**2).sum(axis=0)) + 0.5 * spin.sum()
 
 
 def crumple(state, *, rng, size=0.3):
@@ -165,19 +135,21 @@ def test_cantilever_under_its_weight_meets_timoshenko_with_second_order():
     assert errors[1] / errors[2] == pytest.approx(4, rel=0.15)
 
 
+def first_mode(nodes):
+    """Return the first bending mode of a clamped-free beam (Euler-Bernoulli), (nodes,)."""
+    root = 1.8751041
+    x = root * np.linspace(0, 1, nodes)
+    ratio = (math.cosh(root) + math.cos(root)) / (math.sinh(root) + math.sin(root))
+    return np.cosh(x) - np.cos(x) - ratio * (np.sinh(x) - np.sin(x))
+
+
 def test_cantilever_swings_at_its_first_frequency():
     length, radius = 0.5, 0.005
     march = Explicit(Scene(rods=[straight_rod(40, length=length, radius=radius)], duration=1))
     bend, _ = rigidities(RUBBER, radius)
     omega = 1.8751041**2 * math.sqrt(bend / (RUBBER.density * math.pi * radius**2 * length**4))
     at = march.state.nodes(0)
-    beta = 1.8751041 / length
-    s = np.linspace(0, length, 41)
-    ratio = (math.cosh(1.8751041) + math.cos(1.8751041)) / (
-        math.sinh(1.8751041) + math.sin(1.8751041)
-    )
-    shape = np.cosh(beta * s) - np.cos(beta * s) - ratio * (np.sinh(beta * s) - np.sin(beta * s))
-    march.state.row("V2")[at] = 1e-4 * shape
+    march.state.row("V2")[at] = 1e-4 * first_mode(41)
     steps = int(0.05 * 2 * math.pi / omega / march.dt)
     times, tips = [], []
     for _ in range(60):
@@ -185,8 +157,30 @@ def test_cantilever_swings_at_its_first_frequency():
         times.append(march.time)
         tips.append(march.state.row("X2")[at][-1])
     crossings = np.flatnonzero(np.diff(np.sign(tips)))
-    zeros = [times[i] - tips[i] * (times[i + 1] - times[i]) / (tips[i + 1] - tips[i]) for i in crossings]
+    zeros = [
+        times[i] - tips[i] * (times[i + 1] - times[i]) / (tips[i + 1] - tips[i]) for i in crossings
+    ]
     assert math.pi / np.mean(np.diff(zeros)) == pytest.approx(omega, rel=5e-3)
+
+
+def test_material_damping_takes_energy_from_a_slow_mode_as_kelvin_and_voigt_say():
+    """Energy of a mode decays as exp(-w^2 T t): T w/2 of critical damping."""
+    length, radius, time = 0.1, 0.004, 3e-4
+    rods = [straight_rod(20, length=length, radius=radius)]
+    march = Explicit(Scene(rods=rods, duration=1, damping=Damping(material=time)))
+    bend, _ = rigidities(RUBBER, radius)
+    omega = 1.8751041**2 * math.sqrt(bend / (RUBBER.density * math.pi * radius**2 * length**4))
+    at = march.state.nodes(0)
+    march.state.row("V2")[at] = 1e-3 * first_mode(21)
+
+    def energy():
+        return kinetic_energy(march.state) + elastic_energy(march.state)
+
+    march.advance(int(0.2 / march.dt))  # until the faster modes in the start are gone
+    start, before = march.time, energy()
+    march.advance(int(1.0 / march.dt))
+    rate = math.log(before / energy()) / (march.time - start)
+    assert rate == pytest.approx(omega**2 * time, rel=0.05)
 
 
 def free_tumbling(rng):
@@ -194,7 +188,8 @@ def free_tumbling(rng):
     nodes = 0.1 * np.column_stack([np.cos(angle), np.sin(angle), 0.3 * angle])
     shape = Points(nodes=[tuple(p) for p in nodes])
     scene = Scene(
-        rods=[Rod(shape=shape, radius=0.005, elements=12, material=RUBBER, clamp="free")], duration=1
+        rods=[Rod(shape=shape, radius=0.005, elements=12, material=RUBBER, clamp="free")],
+        duration=1,
     )
     march = Explicit(scene)
     at = march.state.nodes(0)
@@ -276,7 +271,9 @@ def test_moving_and_turning_the_whole_scene_changes_nothing(rng):
 def test_frames_are_orthonormal_untwisted_and_tangent(rng):
     nodes = np.cumsum(rng.standard_normal((30, 3)) + [0, 0, 2], axis=0)
     q = frames(nodes)
-    np.testing.assert_allclose(q @ q.transpose(0, 2, 1), np.broadcast_to(np.eye(3), q.shape), atol=1e-13)
+    np.testing.assert_allclose(
+        q @ q.transpose(0, 2, 1), np.broadcast_to(np.eye(3), q.shape), atol=1e-13
+    )
     tangent = np.diff(nodes, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     np.testing.assert_allclose(q[:, 2], tangent, atol=1e-13)
