@@ -8,6 +8,7 @@ from scipy import ndimage
 from scipy.linalg import solveh_banded
 
 STEP = 0.25  # px between samples across a strand
+SEARCH = 0.8  # strand widths; how far a rough centreline may be from what is seen of its strand
 SHORTEST_WAVE = 4.0  # strand widths; shorter wiggles are taken for noise
 # Calibrated on rendered curls (shading, highlight, blur, uneven light):
 SHADING_SD = 0.018  # strand widths; both edges seen, moved by shading and highlight
@@ -60,7 +61,7 @@ def edges(
     at = line[:, None] + across[None, :, None] * normals(line)[:, None]
     profile = _sample(own, at)
     other = _sample(strand, at) - profile
-    middle = _nearest_inside(profile, reach, 0.5 * width)
+    middle = _nearest_inside(profile, reach, SEARCH * width)
     high = _edge(profile, other, middle, +1)
     low = _edge(profile, other, middle, -1)
     return (low - reach) * STEP, (high - reach) * STEP

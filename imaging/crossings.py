@@ -1,6 +1,8 @@
 """Where strands cross in the picture, and which one lies on top."""
 
 from collections.abc import Sequence
+from itertools import groupby, pairwise
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -9,6 +11,19 @@ from scipy.spatial import cKDTree
 from imaging.centreline import arclength
 from imaging.segment import Segmentation
 from imaging.trace import Strand
+
+
+class Hit(NamedTuple):
+    """One intersection: strands from 1, place, arclengths, angle [rad]."""
+
+    strand_a: int
+    strand_b: int
+    x: float
+    y: float
+    s_a: float
+    s_b: float
+    angle: float
+
 
 COLUMNS = [
     "strand_a",
@@ -56,12 +71,13 @@ def crossings(
     31 true crossings of 505 on rendered curls for 15 false ones.)
     """
     lines = [_line(strand) for strand in strands]
-    table = _intersections(lines)
-    table = _resolved(table, lines, [_spread(strand) for strand in strands])
-    over, confidence = _over(table, strands, lines, segmentation)
-    table["over"] = pd.array(over, dtype="Int64")
-    table["confidence"] = confidence
-    return table.sort_values(["strand_a", "strand_b", "s_a"], ignore_index=True)[COLUMNS]
+    hits = _resolved(_intersections(lines), lines, [_spread(strand) for strand in strands])
+    verdicts = [_over(hit, strands, lines, segmentation) for hit in hits]
+    table = pd.DataFrame(hits, columns=Hit._fields)
+    table["kind"] = np.where(table["strand_a"] == table["strand_b"], "self", "inter")
+    table["over"] = pd.array([over for over, _ in verdicts], dtype="Int64")
+    table["confidence"] = np.array([sure for _, sure in verdicts], float)
+    return table[COLUMNS]
 
 
 def _line(strand: Strand | np.ndarray) -> np.ndarray:
@@ -72,10 +88,9 @@ def _spread(strand: Strand | np.ndarray) -> np.ndarray:
     return strand.sd if isinstance(strand, Strand) else np.zeros(len(strand))
 
 
-def _intersections(lines: list[np.ndarray]) -> pd.DataFrame:
-    """Exact intersections of all segments, found through the segments' midpoints."""
-    counts = [max(len(line) - 1, 0) for line in lines]
-    owner = np.repeat(np.arange(len(lines)), counts)
+def _intersections(lines: list[np.ndarray]) -> list[Hit]:
+    """All intersections of the lines' segments, ordered by strands and along the first."""
+    owner = np.repeat(np.arange(len(lines)), [max(len(line) - 1, 0) for line in lines])
     start = np.concatenate([line[:-1] for line in lines] or [np.empty((0, 2))])
     step = np.concatenate([np.diff(line, axis=0) for line in lines] or [np.empty((0, 2))])
     s = np.concatenate([arclength(line)[:-1] for line in lines] or [np.empty(0)])
@@ -83,17 +98,11 @@ def _intersections(lines: list[np.ndarray]) -> pd.DataFrame:
     length = np.hypot(*step.T)
     place = start[i] + u[:, None] * step[i]
     cosine = np.abs((step[i] * step[j]).sum(axis=1)) / np.maximum(length[i] * length[j], 1e-300)
-    return pd.DataFrame(
-        {
-            "strand_a": owner[i] + 1,
-            "strand_b": owner[j] + 1,
-            "kind": np.where(owner[i] == owner[j], "self", "inter"),
-            "x": place[:, 0],
-            "y": place[:, 1],
-            "s_a": s[i] + u * length[i],
-            "s_b": s[j] + v * length[j],
-            "angle": np.arccos(np.clip(cosine, 0, 1)),
-        }
+    angle = np.arccos(np.clip(cosine, 0, 1))
+    columns = [owner[i] + 1, owner[j] + 1, *place.T, s[i] + u * length[i], s[j] + v * length[j]]
+    hits = zip(*[column.tolist() for column in (*columns, angle)], strict=True)
+    return sorted(
+        (Hit(*hit) for hit in hits), key=lambda hit: (hit.strand_a, hit.strand_b, hit.s_a)
     )
 
 
@@ -103,7 +112,6 @@ def _segment_pairs(
     """Find indices i < j of segments that intersect, and how far along each (0 <= u, v < 1)."""
     if len(start) < 2:
         return np.empty(0, int), np.empty(0, int), np.empty(0), np.empty(0)
-    # Segments of one length class at a time would be quicker for wildly uneven polylines.
     reach = np.hypot(*step.T).max()
     pairs = cKDTree(start + step / 2).query_pairs(reach * (1 + 1e-9), output_type="ndarray")
     i, j = pairs.T
@@ -123,43 +131,31 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
 
-def _resolved(
-    table: pd.DataFrame, lines: list[np.ndarray], spreads: list[np.ndarray]
-) -> pd.DataFrame:
+def _resolved(hits: list[Hit], lines: list[np.ndarray], spreads: list[np.ndarray]) -> list[Hit]:
     """Drop pairs of crossings between which the two lines are not told apart."""
-    dropped: list[int] = []
-    for (a, b), pair in table[table["kind"] == "inter"].groupby(["strand_a", "strand_b"]):
-        pair = pair.sort_values("s_a")
-        left = pair.index.tolist()
-        while len(left) > 1:
-            parting = [
-                _parting(pair.loc[p], pair.loc[q], lines, spreads, a - 1, b - 1)
-                for p, q in zip(left, left[1:], strict=False)
-            ]
+    kept: list[Hit] = []
+    for (a, b), group in groupby(hits, key=lambda hit: (hit.strand_a, hit.strand_b)):
+        left = list(group)
+        while a != b and len(left) > 1:
+            parting = [_parting(p, q, lines, spreads) for p, q in pairwise(left)]
             closest = int(np.argmin(parting))
             if parting[closest] >= APART:
                 break
-            dropped += left[closest : closest + 2]
             del left[closest : closest + 2]
-    return table.drop(index=dropped)
+        kept += left
+    return kept
 
 
-def _parting(
-    first: pd.Series,
-    second: pd.Series,
-    lines: list[np.ndarray],
-    spreads: list[np.ndarray],
-    a: int,
-    b: int,
-) -> float:
+def _parting(p: Hit, q: Hit, lines: list[np.ndarray], spreads: list[np.ndarray]) -> float:
     """Largest distance between two lines from one crossing to the next, over its uncertainty."""
-    between_a = _between(lines[a], first["s_a"], second["s_a"])
-    between_b = _between(lines[b], first["s_b"], second["s_b"])
-    if not between_a.any() or not between_b.any():
-        return 0.0 if max(spreads[a].max(), spreads[b].max()) > 0 else np.inf
-    apart, _ = cKDTree(lines[b][between_b]).query(lines[a][between_a])
-    spread = np.hypot(spreads[a][between_a].max(), spreads[b][between_b].max())
-    return float(apart.max() / spread) if spread > 0 else np.inf
+    a, b = p.strand_a - 1, p.strand_b - 1
+    on_a, on_b = _between(lines[a], p.s_a, q.s_a), _between(lines[b], p.s_b, q.s_b)
+    if max(spreads[a].max(), spreads[b].max()) == 0:
+        return np.inf
+    if not on_a.any() or not on_b.any():
+        return 0.0
+    apart, _ = cKDTree(lines[b][on_b]).query(lines[a][on_a])
+    return float(apart.max() / np.hypot(spreads[a][on_a].max(), spreads[b][on_b].max()))
 
 
 def _between(line: np.ndarray, low: float, high: float) -> np.ndarray:
@@ -168,30 +164,23 @@ def _between(line: np.ndarray, low: float, high: float) -> np.ndarray:
 
 
 def _over(
-    table: pd.DataFrame,
+    hit: Hit,
     strands: Sequence[Strand | np.ndarray],
     lines: list[np.ndarray],
     segmentation: Segmentation | None,
-) -> tuple[list[int | None], list[float]]:
-    """Who is on top at each crossing, and the probability that this is right."""
-    if segmentation is None:
-        return [None] * len(table), [np.nan] * len(table)
-    trees = [cKDTree(line) for line in lines]
-    over, confidence = [], []
-    for row in table.itertuples():
-        a, b = strands[row.strand_a - 1], strands[row.strand_b - 1]
-        if not isinstance(a, Strand) or not isinstance(b, Strand) or a.colour == b.colour:
-            over.append(None)
-            confidence.append(np.nan)
-            continue
-        trees_ab = (trees[row.strand_a - 1], trees[row.strand_b - 1])
-        shown = _labels_in_overlap((row.x, row.y), row.angle, trees_ab, segmentation)
-        for_a, for_b = (shown == a.colour + 1).sum(), (shown == b.colour + 1).sum()
-        share, sure = _verdict(for_a, for_b)
-        known = share >= DOUBT
-        over.append((row.strand_a if for_a > for_b else row.strand_b) if known else None)
-        confidence.append(sure)
-    return over, confidence
+) -> tuple[int | None, float]:
+    """Who is on top at a crossing, and the probability that this is right."""
+    a, b = strands[hit.strand_a - 1], strands[hit.strand_b - 1]
+    if segmentation is None or not isinstance(a, Strand) or not isinstance(b, Strand):
+        return None, np.nan
+    if a.colour == b.colour:
+        return None, np.nan
+    shown = _labels_in_overlap(hit, lines, segmentation)
+    for_a, for_b = int((shown == a.colour + 1).sum()), int((shown == b.colour + 1).sum())
+    share, sure = _verdict(for_a, for_b)
+    if share < DOUBT:
+        return None, sure
+    return (hit.strand_a if for_a > for_b else hit.strand_b), sure
 
 
 def _verdict(for_a: int, for_b: int) -> tuple[float, float]:
@@ -204,22 +193,18 @@ def _verdict(for_a: int, for_b: int) -> tuple[float, float]:
     return most / total, (most / PIXELS_PER_VOTE + 1) / (witnesses + 2)
 
 
-def _labels_in_overlap(
-    place: tuple[float, float],
-    angle: float,
-    trees: tuple[cKDTree, cKDTree],
-    segmentation: Segmentation,
-) -> np.ndarray:
+def _labels_in_overlap(hit: Hit, lines: list[np.ndarray], segmentation: Segmentation) -> np.ndarray:
     """Labels of the pixels near both centrelines around a crossing."""
     width, labels = segmentation.width, segmentation.labels
-    reach = int(np.ceil(min(width / np.sin(max(angle, 0.1)), 6 * width)))
-    x, y = round(place[0]), round(place[1])
-    x0, y0 = max(x - reach, 0), max(y - reach, 0)
-    box = labels[y0 : y + reach + 1, x0 : x + reach + 1]
-    if box.size == 0:
-        return np.empty(0, int)
+    reach = int(np.ceil(min(width / np.sin(max(hit.angle, 0.1)), 6 * width)))
+    x0, y0 = max(round(hit.x) - reach, 0), max(round(hit.y) - reach, 0)
+    box = labels[y0 : y0 + 2 * reach + 1, x0 : x0 + 2 * reach + 1]
     ys, xs = np.mgrid[y0 : y0 + box.shape[0], x0 : x0 + box.shape[1]]
     points = np.stack([xs.ravel(), ys.ravel()], axis=1)
-    far = CORE * width
-    close = [np.isfinite(tree.query(points, distance_upper_bound=far)[0]) for tree in trees]
-    return box.ravel()[close[0] & close[1]]
+    both = np.ones(len(points), bool)
+    for strand in (hit.strand_a, hit.strand_b):
+        line = lines[strand - 1]
+        near = np.abs(line - [hit.x, hit.y]).max(axis=1) <= 2 * reach
+        distance, _ = cKDTree(line[near]).query(points, distance_upper_bound=CORE * width)
+        both &= np.isfinite(distance)
+    return box.ravel()[both]

@@ -64,8 +64,13 @@ def interactions(
     counts = pd.crosstab(sizes["section"], sizes["N"]).reindex(
         index=range(n_sec), columns=range(2, len(lines) + 1), fill_value=0
     )
-    found = counts.stack().rename("count").reset_index()
-    found["section"] += 1
+    found = pd.DataFrame(
+        {
+            "section": np.repeat(np.arange(1, n_sec + 1), len(lines) - 1),
+            "N": np.tile(np.arange(2, len(lines) + 1), n_sec),
+            "count": counts.to_numpy().ravel(),
+        }
+    )
     found["density"] = found["count"] * n_sec / length
     found.attrs = {
         "rule": "components of the crossing graph in equal sections of the axis",

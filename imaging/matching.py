@@ -1,6 +1,6 @@
 """Join the pieces of a colour into strands: one global matching of their ends."""
 
-import networkx as nx
+import networkx as nx  # type: ignore[import-untyped]
 import numpy as np
 
 from imaging.branches import End

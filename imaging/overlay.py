@@ -1,8 +1,8 @@
 """Pictures of a measurement: lines and crossings drawn over the photograph, labels, histogram."""
 
 import base64
-from collections.abc import Sequence
-from html import escape
+from collections.abc import Hashable, Sequence
+from typing import Any
 
 import cv2
 import numpy as np
@@ -19,7 +19,7 @@ RING = "#ff00c8"  # a colour strands seldom have
 
 
 def labels_picture(segmentation: Segmentation, strands: Sequence[Strand]) -> np.ndarray:
-    """Number each pixel by the strand on top, 0 = background, shape (h, w).
+    """Return the number of the strand on top in each pixel, 0 = background, shape (h, w).
 
     uint8 for up to 255 strands, else uint16. Where several strands share a colour, a pixel belongs
     to the nearest of them.
@@ -102,11 +102,7 @@ def overlay_svg(
     jpeg = base64.b64encode(cv2.imencode(".jpg", bgr)[1].tobytes()).decode()
     lines = [_svg_strand(i, s, segmentation) for i, s in enumerate(strands, start=1)]
     radius = 0.8 * segmentation.width
-    rings = [
-        f'<circle cx="{row.x + 0.5:.2f}" cy="{row.y + 0.5:.2f}" r="{radius:.1f}">'
-        f"<title>{escape(_crossing_title(row))}</title></circle>"
-        for row in crossings.itertuples()
-    ]
+    rings = [_svg_ring(row, radius) for row in crossings.to_dict("records")]
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
@@ -125,14 +121,17 @@ def overlay_svg(
 
 
 def _svg_strand(number: int, strand: Strand, segmentation: Segmentation) -> str:
-    ink = "#%02x%02x%02x" % _ink(segmentation.colours[strand.colour])
+    red, green, blue = _ink(segmentation.colours[strand.colour])
+    ink = f"#{red:02x}{green:02x}{blue:02x}"
     points = " ".join(f"{x:.2f},{y:.2f}" for x, y in strand.line + 0.5)
     return f'<polyline stroke="{ink}" points="{points}"><title>strand {number}</title></polyline>'
 
 
-def _crossing_title(row: tuple) -> str:
-    over = "unknown" if pd.isna(row.over) else f"strand {row.over}"  # type: ignore[attr-defined]
-    return f"{row.strand_a} x {row.strand_b}, on top: {over}"  # type: ignore[attr-defined]
+def _svg_ring(row: dict[Hashable, Any], radius: float) -> str:
+    over = "unknown" if pd.isna(row["over"]) else f"strand {row['over']}"
+    title = f"{row['strand_a']} x {row['strand_b']}, on top: {over}"
+    centre = f'cx="{row["x"] + 0.5:.2f}" cy="{row["y"] + 0.5:.2f}"'
+    return f'<circle {centre} r="{radius:.1f}"><title>{title}</title></circle>'
 
 
 def histogram(densities: pd.DataFrame, unit: str) -> Figure:

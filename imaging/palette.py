@@ -127,7 +127,7 @@ def vote(
 ) -> np.ndarray:
     """Label each strand pixel with the colour most of its neighbourhood shows.
 
-    Each pixel votes for the nearest colour; votes are spread over a quarter of a strand width, so
+    Each pixel votes for the nearest colour; votes are spread over a fifth of a strand width, so
     that highlights, noise and mixtures at edges are outvoted.
 
     Parameters
@@ -148,7 +148,7 @@ def vote(
     """
     distance = np.stack([((features - centre) ** 2).sum(axis=1) for centre in centres])
     nearest = distance.argmin(axis=0)
-    sigma = max(0.25 * width, 0.6)
+    sigma = max(0.2 * width, 0.6)
     votes = np.zeros(strand.shape, np.float32)
     tally = np.empty((len(centres), len(features)), np.float32)
     for colour in range(len(centres)):

@@ -130,10 +130,10 @@ def _decode_common(path: Path) -> tuple[np.ndarray, dict[str, str], int]:
         tags = image.getexif()
         exif = {ExifTags.TAGS.get(key, str(key)): str(value) for key, value in tags.items()}
         # Pillow cuts 16-bit colour to 8 bits, so those files go to readers that keep them.
-        if image.format == "TIFF" and max(image.tag_v2.get(ExifTags.Base.BitsPerSample, (8,))) > 8:
+        if image.format == "TIFF" and _tiff_depth(image) > 8:
             pixels = tifffile.imread(path)
         elif image.format == "PNG" and _png_depth(path) == 16:
-            image.verify()
+            image.load()  # raises when damaged; OpenCV would fill the rest with grey
             pixels = _png16(path)
         else:
             mode = "RGBA" if image.has_transparency_data else "RGB"
@@ -151,6 +151,11 @@ def _refuse_size_and_frames(path: Path, image: Image.Image) -> None:
             f"{path}: {width} x {height} pixels is more than {MAX_PIXELS // 10**6} megapixels; "
             "crop or shrink it"
         )
+
+
+def _tiff_depth(image: Image.Image) -> int:
+    stated = image.getexif().get(ExifTags.Base.BitsPerSample, 8)
+    return max(stated) if isinstance(stated, tuple) else int(stated)
 
 
 def _png_depth(path: Path) -> int:

@@ -47,7 +47,7 @@ class Options:
 @click.command()
 @click.argument("files", nargs=-1, required=True)
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True,
-              help="Folder for the results; with several photographs, one folder in it for each.")  # fmt: skip
+              help="Folder for the results; holds a folder for each of several photos.")  # fmt: skip
 @click.option("--scale", help=f"Pixels to metres: {FORMS}. Without it, results are in pixels.")
 @click.option("--n-sec", type=click.IntRange(min=1), default=20, show_default=True,
               help="Sections of the curl's axis for N-body interactions.")  # fmt: skip
@@ -67,7 +67,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """Trace coloured strands and count their crossings and N-body interactions.
+    r"""Trace coloured strands and count their crossings and N-body interactions.
 
     FILES are photographs (JPEG, PNG, TIFF; HEIC and camera RAW with the extra 'formats'), folders
     or patterns. A batch that was interrupted takes up where it stopped; a photograph that cannot
@@ -109,7 +109,7 @@ def _expand(files: tuple[str, ...]) -> list[Path]:
         elif path.exists():
             found.append(path)
         else:
-            matches = sorted(map(Path, glob.glob(text)))
+            matches = sorted(map(Path, glob.glob(text)))  # noqa: PTH207 - also absolute patterns
             if not matches:
                 raise UserError(f"{path}: no such file; give photographs, folders or patterns")
             found += matches
@@ -235,7 +235,8 @@ def _write_picture(path: Path, pixels: np.ndarray) -> None:
 
 
 def _write_histogram(folder: Path, measured: Measured) -> None:
-    assert measured.densities is not None and measured.interactions is not None
+    assert measured.densities is not None
+    assert measured.interactions is not None
     asked = measured.interactions.attrs["n_sec"]
     shown = measured.densities[measured.densities["rule"] == f"{asked} sections"].copy()
     shown.attrs = {"n_sec": asked}
