@@ -52,7 +52,9 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     if mark is None or not _last_line_is_whole(source, header, delimiter):
         return None
     table = _pandas(source, header, delimiter, (mark, thousands), start)
-    if table is None or any(table[i].dtype.kind not in "fi" for i in header.used()):
+    if table is None or not isinstance(table.index, pd.RangeIndex):
+        return None  # pandas makes an index of the first column where a row is too wide
+    if any(table[i].dtype.kind not in "fi" for i in header.used()):
         return None
     values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
     gaps = [i for i in header.used() if np.isnan(values[i]).any()]

@@ -35,10 +35,10 @@ def drop_jump_back(where: str, table: pd.DataFrame, lines: np.ndarray) -> tuple[
     the usual time step.
     """
     time = table["time"].to_numpy()
-    steps = np.diff(time)
-    back = np.flatnonzero(steps < 0)
+    back = np.flatnonzero(time[1:] < time[:-1])
     if not len(back):
         return len(time), []
+    steps = np.diff(time)
     usual = float(np.median(np.abs(steps)))
     large = back[-steps[back] > 1.5 * usual]
     if len(large) == 1 and large[0] == len(time) - 2:

@@ -59,8 +59,8 @@ def split_cells(line: str, delimiter: str) -> list[str]:
         )
     if '"' not in line:
         return [cell.strip() for cell in line.split(delimiter)]
-    cells = re.findall(rf'\s*("(?:[^"]|"")*"|[^{re.escape(delimiter)}]*)(?:{re.escape(delimiter)}|$)',
-                       line)  # fmt: skip
+    mark = re.escape(delimiter)
+    cells = re.findall(rf' *("(?:[^"]|"")*"|[^{mark}]*)(?:{mark}|$)', line)
     if not line.endswith(delimiter):
         cells = cells[:-1]
     return [cell.strip().strip('"').strip() for cell in cells]

@@ -133,12 +133,15 @@ def _refuse_lost_decimals(values: np.ndarray, texts: np.ndarray, odd: np.ndarray
 def _refuse_unproven_groups(
     texts: np.ndarray, odd: np.ndarray, simple: np.ndarray, mark: str
 ) -> None:
-    """Refuse ``1,490`` in a column of decimals unless ``1,490.5`` shows that commas group there."""
+    """Refuse ``1,490`` in a column of decimals, and ``2,110,849`` in any, unless another number
+    such as ``1,490.5`` shows that commas group there.
+    """
     other = "," if mark == "." else "."
     grouped = [i for i in odd if other in texts[i]]
     if not grouped or any(mark in texts[i] for i in grouped):
         return
-    if any(mark in text for text in texts[simple]):
+    millions = any(_WHOLE_MILLIONS.fullmatch(texts[i]) for i in grouped)
+    if millions or any(mark in text for text in texts[simple]):
         raise Unclear(
             f"'{texts[grouped[0]]}' could be a decimal or a thousand: no number with both marks"
             " tells",

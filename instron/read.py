@@ -161,9 +161,9 @@ def _complete_rows(source: Source, body: Body, specimen: Specimen) -> np.ndarray
     Specimens side by side end at different rows, and spreadsheets leave rows of bare delimiters.
     """
     columns = [body.values[c.index] for c in specimen.values()]
-    gaps = np.isnan(np.array(columns))
-    if not gaps.any():
+    if not any(np.isnan(column).any() for column in columns):
         return slice(None)
+    gaps = np.isnan(np.array(columns))
     own = gaps[[q != "time" for q in specimen], :]
     empty = own.all(axis=0)
     broken = np.flatnonzero(gaps.any(axis=0) & ~empty)

@@ -25,7 +25,7 @@ WORDS = {
         " elongation course weg standardweg traversenweg verfahrweg maschinenweg kolbenweg"
         " deplacement allongement desplazamiento alargamiento extensao deslocamento alongamento"
         " spostamento corsa allungamento przemieszczenie wydłuzenie wydluzenie droga posuv"
-        " forskjutning verplaatsing deflection stretch verlangerung"
+        " forskjutning verplaatsing deflection stretch verlangerung separation estensione"
         " перемещение удлинение"
     ),
     "force": _set(

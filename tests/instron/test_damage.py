@@ -41,6 +41,10 @@ REFUSED = {
         "line 23.*decimal point",
     ),
     "lost decimal point, unquoted": (with_row("2.00,1.0000,2,110,849"), "line 23: 5 cells"),
+    "lost decimal point, throughout": (
+        HEAD + "".join(f'{i * 0.1:.1f},{i * 0.05:.2f},"2,110,{849 + i}"\n' for i in range(9)),
+        "line 3: '2,110,849' could be a decimal",
+    ),
     "two points": (with_row("2.00\t1.0000\t2.110.849", head=TAB, delimiter="\t"), "line 23"),
     "decimal comma without quotes": (HEAD + "0,1,0,05,1,5\n" * 9, "6 cells under a header of 3"),
     "fill -1000000": (with_row("2.00,1.0000,-1000000"), "line 23: force -1e\\+06 is a fill value"),
@@ -51,6 +55,10 @@ REFUSED = {
     "1.#INF": (with_row("2.00,1.0000,1.#INF"), "line 23: .*'1.#INF'"),
     "inf": (with_row("2.00,1.0000,inf"), "line 23"),
     "nan in the force": (with_row("2.00,1.0000,nan"), "line 23"),
+    "row shifted by a delimiter": (
+        with_row('\t"2.00"\t"1.0000"\t"3.0"', at=0, head=TAB, delimiter="\t"),
+        "line 3: 4 cells under a header of 3",
+    ),
     "gap": (with_row("2.00,1.0000,"), "line 23: a row lacks numbers"),
     "letter in a number": (with_row("2.00,1.0000,12x.5"), "line 23: .*'12x.5'"),
     "time runs back": (with_row("0.30,1.0000,125.0"), "line 23: time jumps back"),
