@@ -1,0 +1,87 @@
+"""One simulated run at a glance: strands as the tine passes, force, link density."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from combing.figures.style import SIMULATION, WIDTH, paper_style
+
+if TYPE_CHECKING:
+    from sim import Run
+
+METRE_TO_MM = 1e3
+VIEWS = 7  # strands drawn side by side
+CURVES = 5  # link densities drawn over one another
+
+
+def draw_run(run: Run, log: pd.DataFrame | None, links: pd.DataFrame | None) -> Figure:
+    """Draw the strands, and the force and link density where the scene has them.
+
+    Parameters
+    ----------
+    run : Run
+        What was simulated.
+    log : DataFrame or None
+        Force log of the tine.
+    links : DataFrame or None
+        Columns snapshot, displacement, s, link.
+    """
+    with paper_style():
+        below = [panel for panel in (log, links) if panel is not None]
+        figure = Figure(figsize=(WIDTH, 4.6 if below else 2.6), layout="constrained")
+        top, *rest = figure.subfigures(1 + bool(below), 1, height_ratios=[5, 4][: 1 + bool(below)],
+                                       squeeze=False).ravel()  # fmt: skip
+        _draw_strands(top.subplots(), run)
+        if below:
+            panels = list(rest[0].subplots(1, len(below), squeeze=False).ravel())
+            if log is not None:
+                _draw_force(panels.pop(0), log)
+            if links is not None:
+                _draw_links(panels.pop(0), links)
+        figure.suptitle(run.data.attrs["title"], fontsize=9)
+    return figure
+
+
+def _draw_strands(panel: Axes, run: Run) -> None:
+    chosen = np.unique(np.linspace(0, len(run.times) - 1, VIEWS).round().astype(int))
+    views = [[METRE_TO_MM * strand for strand in run.strands(i)] for i in chosen]
+    wide = max(np.ptp(np.concatenate(view)[:, 0]) for view in views)
+    colours = ["#c8321e", "#1f5fa8", "#3b8a3e", "#e8a33d", "#7a4b9a", "0.4"]
+    for place, view in enumerate(views):
+        middle = np.concatenate(view)[:, 0].mean()
+        for number, strand in enumerate(view):
+            x = strand[:, 0] - middle + 1.15 * wide * place
+            panel.plot(x, strand[:, 2], color=colours[number % len(colours)], lw=0.7)
+        label = f"{METRE_TO_MM * run.displacements[chosen[place]]:.0f} mm" if run.scene.tines else (
+            f"{run.times[chosen[place]]:.2g} s"
+        )  # fmt: skip
+        panel.annotate(label, (1.15 * wide * place, 1.02), xycoords=("data", "axes fraction"),
+                       ha="center", va="bottom", fontsize=7)  # fmt: skip
+    panel.set_aspect("equal")
+    panel.set_xticks([])
+    panel.set_ylabel("z (mm)")
+
+
+def _draw_force(panel: Axes, log: pd.DataFrame) -> None:
+    panel.plot(METRE_TO_MM * log["displacement"], log["force"], color=SIMULATION, lw=0.6)
+    panel.axhline(0, color="0.7", lw=0.6)
+    panel.set_xlabel("tine displacement $d$ (mm)")
+    panel.set_ylabel("force $F$ (N)")
+
+
+def _draw_links(panel: Axes, links: pd.DataFrame) -> None:
+    snapshots = links["snapshot"].unique()
+    for number, i in enumerate(np.linspace(0, len(snapshots) - 1, CURVES).round().astype(int)):
+        table = links[links["snapshot"] == snapshots[i]]
+        label = f"{METRE_TO_MM * table['displacement'].iloc[0]:.0f} mm"
+        shade = 0.15 + 0.7 * number / CURVES
+        panel.plot(METRE_TO_MM * table["s"], table["link"], color=(shade, 0.3, 1 - shade), lw=0.8,
+                   label=label)  # fmt: skip
+    panel.set_xlabel("arclength of the pair $s$ (mm)")
+    panel.set_ylabel(r"link density $\lambda$ (1/m)")
+    panel.legend(title="$d$", fontsize=7)
