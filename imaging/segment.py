@@ -17,13 +17,14 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from scipy.stats import trim_mean
 
 from imaging.errors import Unmeasurable
 from imaging.palette import colour_features, find_colours, unmixed, vote
 from imaging.photo import Photo
 
 EDGE = 0.5  # fraction of the strand's contrast that marks its edge
-NOISE_FACTOR = 6.0  # contrast over the background's noise below which nothing is a strand
+NOISE_FACTOR = 4.0  # times the background's median contrast after a 3 x 3 mean; above is strand
 MIN_CONTRAST = 6.0  # Lab units; about three just-noticeable differences
 FAINT = 0.25  # of the strands' contrast; fainter is shadow, reflection or texture
 MIN_LENGTH = 5.0  # strand widths; a shorter blob is dirt
@@ -132,24 +133,24 @@ def _coverage(
     contrast = np.sqrt(((lab - background) ** 2).sum(axis=2))
     if ignore is not None:
         contrast[ignore] = 0
-    threshold = max(NOISE_FACTOR * float(np.median(contrast)), MIN_CONTRAST)
-    coarse = contrast > threshold
+    smooth = cv2.blur(contrast, (3, 3))
+    noise = float(np.median(smooth))
+    threshold = max(NOISE_FACTOR * noise, MIN_CONTRAST)
+    coarse = smooth > threshold
     if not coarse.any():
         raise Unmeasurable(
             f"{source}: nothing stands out from the background by {threshold:.1f} Lab units; "
             "photograph the strands on a plain surface of another colour"
         )
-    level = float(np.percentile(contrast[_ridge(coarse, 1.2)], 75)) if coarse.any() else 0
-    coarse = contrast > max(threshold, FAINT * level)
-    coverage = _against_ridge(contrast, coarse)
+    coarse = smooth > max(threshold, FAINT * float(np.percentile(smooth[coarse], 75)))
+    coverage = _against_ridge(contrast, smooth, coarse)
     width = _typical_width(coverage > EDGE)
     keep = _without_dirt(coverage > EDGE, width)
     return np.where(cv2.dilate(keep, np.ones((5, 5), np.uint8)) > 0, coverage, 0), width
 
 
-def _against_ridge(contrast: np.ndarray, coarse: np.ndarray) -> np.ndarray:
+def _against_ridge(contrast: np.ndarray, smooth: np.ndarray, coarse: np.ndarray) -> np.ndarray:
     """Contrast divided by that of the nearest ridge, clipped to [0, 1]."""
-    smooth = cv2.blur(contrast, (3, 3))
     ridge = _ridge(coarse, 0.0)
     _, nearest = cv2.distanceTransformWithLabels(
         (~ridge).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
@@ -167,10 +168,12 @@ def _ridge(mask: np.ndarray, least: float) -> np.ndarray:
 
 
 def _typical_width(mask: np.ndarray) -> float:
-    """Twice the median depth of the medial axis, less the half pixel on either side [px]."""
+    """Twice the depth of the medial axis (mean of its middle half), less half a pixel a side."""
     depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
     ridge = _ridge(mask, 1.2)
-    return max(float(2 * np.median(depth[ridge])) - 1, 1.5) if ridge.any() else 1.5
+    if not ridge.any():
+        return 1.5
+    return max(2 * float(trim_mean(depth[ridge], 0.25)) - 1, 1.5)
 
 
 def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
