@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from imaging.helix_fit import PENALISED, Fit, fit
 from imaging.helix_model import Layout, Model, basis, knots, offsets
 from imaging.helix_pair import pair_membership, rough_radius, twisted_pair
 from imaging.photo import Photo
+from imaging.scale import Scale, stated
 from imaging.segment import Segmentation, segment
 
 Array = NDArray[np.float64]
@@ -47,8 +49,9 @@ class HelixMeasurement:
         ``s``, ``phi``, ``sd``, ``R``, ``R_sd``, ``x``, ``y``, ``resolved``: phase [rad], helix
         radius, axis in the picture [px].
     crossings : DataFrame
-        ``s``, ``phi``, ``front``, ``confidence``: half-turns, the colour in front, and by how much
-        of its width it shows more than the other (0: hidden, sense taken from the others).
+        ``s``, ``phi``, ``front``, ``sense``, ``confidence``: half-turns, the colour in front, +1
+        where right-handed, and by how much of its width the front strand shows more than the other
+        (0: hidden, sense taken from the others).
     total_link, total_link_sd : float
         Turns between the first and the last resolved point, gaps included. Right-handed > 0.
     handedness : str
@@ -114,7 +117,7 @@ def helix(
     picture: Photo | Segmentation,
     *,
     colours: tuple[int, int] | None = None,
-    scale: float | tuple[float, float] | None = None,
+    scale: float | Scale | None = None,
     root: str = "top",
     tine: tuple[float, ...] | None = None,
 ) -> HelixMeasurement:
@@ -131,8 +134,9 @@ def helix(
         With a photograph, the border between the strands is read from its colours.
     colours : (i, j), optional
         The two strands; by default the two colours that touch along the greatest length.
-    scale : float or (float, float), optional
-        Pixels per metre, and its standard deviation. Without it lengths are in pixels.
+    scale : float or Scale, optional
+        Pixels per metre, or a measured scale, whose sd is carried on. Without it lengths are in
+        pixels.
     root : {"top", "bottom", "left", "right"}
         The side of the picture towards which the clamped end lies.
     tine : (x, y) or (x, y, radius), optional
@@ -151,7 +155,7 @@ def helix(
     pair = twisted_pair(segmentation, colours)
     photo = picture if isinstance(picture, Photo) else None
     membership = pair_membership(segmentation, pair, photo)
-    others = np.delete(segmentation.membership, pair, axis=0).max(axis=0, initial=0.0)
+    others = (segmentation.labels > 0) & ~np.isin(segmentation.labels, np.add(pair, 1))
     start = _first_look(membership, root)
     hidden, tine_s = _tine(start, others, tine)
     fitted, edges, valid = _fit_all(membership, start, hidden)
@@ -183,7 +187,7 @@ def _first_look(membership: NDArray[np.float32], root: str) -> _Start:
     R = max(helix_radius(seen, turns), 0.5 * r)
     pitch = 2 * float(np.median(np.diff(turns.s)))
     # Smoothing cuts the corner of a kink, where sections would then be aslant and look too wide.
-    spread = spread_apart(seen, R)
+    spread = spread_apart(seen, R, 0.4 * pitch)
     smooth = smoothed(axis, pitch / 4)
     place = _places(smooth, axis)
     turns = replace(turns, s=np.interp(turns.s, place, smooth.s))
@@ -208,7 +212,7 @@ def _sides(
 
 
 def _tine(
-    start: _Start, others: NDArray[np.float32], given: tuple[float, ...] | None
+    start: _Start, others: Mask, given: tuple[float, ...] | None
 ) -> tuple[Mask, float | None]:
     """Sections a tine hides, and its arclength [px]."""
     s = start.axis.s
@@ -217,11 +221,21 @@ def _tine(
         reach = given[2] if len(given) > 2 else 2 * start.r
         return np.abs(s - centre) <= reach + 2, centre
     u = np.arange(-2 * start.r, 2 * start.r + 1, 1.0)
-    covered = (sample(others[None], start.axis, u)[0] > 0.5).sum(axis=1) > start.r
-    if covered.sum() < start.r:
+    bar = _thicker(others, 1.2 * start.r).astype(np.float32)
+    covered = (sample(bar[None], start.axis, u)[0] > 0.5).sum(axis=1) > start.r
+    if not covered.any():
         return np.zeros(len(s), dtype=bool), None
-    grown = np.convolve(covered, np.ones(5), mode="same") > 0
-    return grown, float(np.median(s[covered]))
+    return np.convolve(covered, np.ones(5), mode="same") > 0, float(np.median(s[covered]))
+
+
+def _thicker(mask: Mask, least: float) -> Mask:
+    """Keep the blobs into which a disc of radius ``least`` [px] fits: a tine, not a highlight."""
+    _, blobs = cv2.connectedComponents(mask.astype(np.uint8))
+    depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
+    thick = np.zeros(blobs.max() + 1, dtype=bool)
+    thick[np.unique(blobs[depth > least])] = True
+    thick[0] = False
+    return thick[blobs]
 
 
 def _fit_all(
@@ -251,7 +265,7 @@ def _first_model(start: _Start, shape: tuple[int, ...]) -> Model:
     """Splines through the first phase; 16 knots a pitch for it, 8 for the axis, one for R."""
     axis, end = start.axis, start.axis.s[-1]
     layout = Layout(
-        *(knots(0.0, end, start.pitch / n) for n in (16, 8, 1)),
+        *(knots(0.0, end, start.pitch / n) for n in (16, 8, 4)),
     )
     beta = np.zeros(layout.size)
     phase = first_phase(start.turns, axis.s)
@@ -291,14 +305,12 @@ def _held(model: Model, valid: Mask) -> dict[str, Mask]:
     return held
 
 
-def _per_pixel(scale: float | tuple[float, float] | None) -> tuple[float, float, str]:
+def _per_pixel(scale: float | Scale | None) -> tuple[float, float, str]:
     """Metres per pixel, relative sd, unit."""
     if scale is None:
         return 1.0, 0.0, "px"
-    value, sd = (scale, 0.0) if np.isscalar(scale) else scale  # type: ignore[misc]
-    if not (np.isfinite(value) and value > 0):  # type: ignore[operator, arg-type]
-        raise Unmeasurable(f"scale is {value} pixels per metre; it must be positive")
-    return 1 / float(value), float(sd) / float(value), "m"  # type: ignore[arg-type]
+    known = scale if isinstance(scale, Scale) else stated(scale)
+    return known.metres_per_pixel, known.relative_sd, "m"
 
 
 def _measured(
@@ -415,8 +427,12 @@ def _resolution(fitted: Fit, s: Array, resolved: Mask) -> float:
 def _crossing_table(start: _Start, fitted: Fit, s: Array) -> pd.DataFrame:
     front = np.where(np.sin(start.turns.phase) > 0, "a", "b")
     return pd.DataFrame({
-        "s": s, "phi": start.turns.phase, "front": front, "confidence": start.turns.sure,
-    })  # fmt: skip
+        "s": s,
+        "phi": start.turns.phase,
+        "front": front,
+        "sense": start.turns.sense,
+        "confidence": start.turns.sure,
+    })
 
 
 def _warnings(

@@ -1,6 +1,7 @@
 """Count half-turns of two strands from who is on which side, and who passes in front."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,7 @@ from scipy.ndimage import median_filter
 from imaging.errors import Unmeasurable
 
 Array = NDArray[np.float64]
+UNSURE = 0.1  # of a strand's width; less tells nothing of who is in front
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,8 @@ class HalfTurns:
         Arclength [px].
     phase : (n,) array
         Phase there, an odd multiple of pi/2, lifted from one crossing to the next.
+    sense : (n,) array
+        +1 right-handed, -1 left-handed.
     sure : (n,) array
         Width by which the front strand shows more than the rear one, over a strand's width; 0
         where the crossing itself is hidden and its sense is taken from the others.
@@ -48,6 +52,7 @@ class HalfTurns:
 
     s: Array
     phase: Array
+    sense: Array
     sure: Array
 
 
@@ -111,20 +116,16 @@ def half_turns(seen: Look, r: float) -> HalfTurns:
             f"the two strands swap sides {max(len(side) - 1, 0)} times; "
             "a link density needs at least 2 crossings"
         )
-    ends = np.array(runs)
-    s = np.array([_zero(seen, a, b) for a, b in zip(ends[:-1, 1], ends[1:, 0], strict=True)])
-    votes = [
-        np.sum(seen.excess[a : b + 1]) / (2 * r * max(b - a, 1))
-        for a, b in zip(ends[:-1, 1], ends[1:, 0], strict=True)
-    ]
-    excess = np.array(votes)
+    gaps = [(a[1], b[0]) for a, b in pairwise(runs)]
+    s = np.array([_zero(seen, a, b) for a, b in gaps])
+    excess = np.array([np.sum(seen.excess[a : b + 1]) / (2 * r * max(b - a, 1)) for a, b in gaps])
+    unsure = np.abs(excess) < UNSURE
     # a going right -> left in front, or left -> right behind, turns right-handed.
     sense = np.sign(excess) * side[:-1]
-    sense[np.abs(excess) < 0.1] = np.sign(np.sum(sense)) or 1.0
-    side_phase = np.r_[0.0 if side[0] > 0 else np.pi, 0.0 + np.pi * np.cumsum(sense)]
-    side_phase[1:] += side_phase[0]
-    phase = 0.5 * (side_phase[1:] + side_phase[:-1])
-    return HalfTurns(s, phase, np.where(np.abs(excess) < 0.1, 0.0, np.minimum(np.abs(excess), 1)))
+    sense[unsure] = np.sign(np.sum(sense[~unsure])) or 1.0
+    first = 0.0 if side[0] > 0 else np.pi
+    phase = first + np.pi * (np.cumsum(sense) - 0.5 * sense)
+    return HalfTurns(s, phase, sense, np.where(unsure, 0.0, np.minimum(np.abs(excess), 1)))
 
 
 def first_phase(turns: HalfTurns, s: Array) -> Array:
@@ -137,15 +138,15 @@ def first_phase(turns: HalfTurns, s: Array) -> Array:
     return phase
 
 
-def spread_apart(seen: Look, radius: float) -> NDArray[np.bool_]:
+def spread_apart(seen: Look, radius: float, reach: float) -> NDArray[np.bool_]:
     """Sections where the strands lie further apart than a helix of ``radius`` allows, or are lost.
 
     Three fifths more than the typical radius are allowed, for a helix that widens and for sections
-    that a kink leaves aslant.
+    that a kink leaves aslant. What lies within ``reach`` [px] of such a place widens too steeply.
     """
     size = np.abs(seen.separation) / 2
     apart = median_filter(np.nan_to_num(size, nan=np.inf), 5) > 1.6 * radius + 1.0
-    return _near(apart, max(int(radius), 1))
+    return _near(apart, max(int(reach), 1))
 
 
 def _sides(separation: Array, least: float) -> tuple[Array, list[tuple[int, int]]]:

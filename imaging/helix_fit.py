@@ -20,7 +20,7 @@ from imaging.helix_model import Model, basis, feet, positions
 
 Array = NDArray[np.float64]
 TUKEY = 4.685
-STEPPED = ("phi", "mid")  # blocks that may change abruptly: link density, direction at a kink
+STEPPED = ("phi", "mid", "R")  # may change abruptly: at a step, a kink, a tine
 TAIL = 1.0  # degrees of freedom of those changes
 LEAST_NOISE = 1e-3  # px
 PENALISED = {"phi": 2, "mid": 2, "R": 1}  # block -> order of the difference
@@ -210,7 +210,7 @@ def _penalised(
     blocks = model.layout.blocks
     diagonal = np.diag(information)
     # Unseen stretches have neither data nor penalty: hold them where they are.
-    ridge = 1e-9 * diagonal + 1e-9 * np.median(diagonal)
+    ridge = 1e-9 * diagonal + 1e-9 * diagonal.mean()
     for _ in range(2):
         matrix = information + np.diag(ridge)
         for name, penalty in prior.penalties().items():

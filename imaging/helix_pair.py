@@ -87,10 +87,28 @@ def pair_membership(
     r = rough_radius(owned)
     window = _window(owned.any(axis=0), int(4 * r) + 4)
     membership = np.zeros_like(membership)
-    light = photo.rgb()[window] ** 2.2
-    bare = segmentation.labels[window] == 0
-    membership[:, *window] = _unmixed(light, owned[:, *window], bare, max(0.5 * r, 1.5))
+    rgb, labels = photo.rgb()[window], segmentation.labels[window]
+    owned = _with_specks(rgb, labels, owned[:, *window], r)
+    membership[:, *window] = _unmixed(rgb**2.2, owned, labels == 0, max(0.5 * r, 1.5))
     return membership
+
+
+def _with_specks(
+    rgb: NDArray[np.float32], labels: NDArray[np.int32], owned: NDArray[np.bool_], r: float
+) -> NDArray[np.bool_]:
+    """Give specks of other colours (highlights, mixed light) to the strand of the nearer hue."""
+    others = ((labels > 0) & ~owned.any(axis=0)).astype(np.uint8)
+    _, blobs = cv2.connectedComponents(others)
+    depth = cv2.distanceTransform(others, cv2.DIST_L2, 5)
+    deepest = np.zeros(blobs.max() + 1)
+    np.maximum.at(deepest, blobs.ravel(), depth.ravel())
+    speck = (others > 0) & (deepest[blobs] < 0.6 * r)
+    lab = cv2.cvtColor(np.ascontiguousarray(rgb), cv2.COLOR_RGB2Lab)
+    # (a*, b*)/(L + 16) does not change when the light is scaled.
+    hue = lab / (lab[..., :1] + 16)
+    means = [np.median(hue[m], axis=0) if m.any() else np.zeros(3) for m in owned]
+    nearer = np.argmin([((hue - mean) ** 2).sum(axis=2) for mean in means], axis=0)
+    return np.stack([own | (speck & (nearer == k)) for k, own in enumerate(owned)])
 
 
 def _window(mask: Mask, margin: int) -> tuple[slice, slice]:
