@@ -1,0 +1,131 @@
+"""``combing photo`` as a user meets it."""
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pandas as pd
+import pytest
+
+from combing.cli import main
+from imaging.synthetic import render
+
+FILES = {
+    "strands.csv", "crossings.csv", "interactions.csv", "densities.csv", "labels.png",
+    "overlay.png", "overlay.svg", "histogram.png", "histogram.svg", "DATA.md", "provenance.json",
+}  # fmt: skip
+
+
+def run(*args: object) -> int:
+    with pytest.raises(SystemExit) as caught:
+        main([str(arg) for arg in args])
+        raise SystemExit(0)
+    return int(caught.value.code or 0)
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory) -> Path:
+    """Two photographs of three strands, and three files that cannot be measured."""
+    folder = tmp_path_factory.mktemp("photos")
+    y = np.linspace(15, 225, 300)
+    lines = [np.stack([100 + 40 * np.sin(y / 40 + 2.1 * i), y], axis=1) for i in range(3)]
+    heights = [np.full(300, 20.0 * i) for i in range(3)]
+    colours = [(0.85, 0.1, 0.2), (0.1, 0.6, 0.25), (0.1, 0.3, 0.8)]
+    for name, seed in (("a.png", 1), ("b.png", 2)):
+        drawn = render(lines, heights, colours, 4, (240, 200), rng=seed)
+        cv2.imwrite(str(folder / name), drawn.pixels[..., ::-1])
+    cv2.imwrite(str(folder / "black.png"), np.zeros((60, 60, 3), np.uint8))
+    cv2.imwrite(str(folder / "dot.png"), np.zeros((1, 1, 3), np.uint8))
+    (folder / "cut.jpg").write_bytes(
+        cv2.imencode(".jpg", np.full((90, 90, 3), 99))[1].tobytes()[:300]
+    )
+    return folder
+
+
+def test_one_photograph(pictures, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert run("photo", pictures / "a.png", "-o", out, "--scale", "10px/mm", "--quiet") == 0
+    assert {path.name for path in out.iterdir()} == FILES
+    strands = pd.read_csv(out / "strands.csv")
+    crossings = pd.read_csv(out / "crossings.csv")
+    assert set(strands["strand"]) == {1, 2, 3}
+    np.testing.assert_allclose(strands["x_m"], strands["x"] * 1e-4, rtol=1e-5)
+    assert crossings["over"].notna().all()
+    labels = cv2.imread(str(out / "labels.png"), cv2.IMREAD_UNCHANGED)
+    assert labels.shape == (240, 200)
+    assert set(np.unique(labels)) == {0, 1, 2, 3}
+    middle = strands[(strands["strand"] == 2) & (strands["edges"] == 2)].iloc[5]
+    assert labels[round(middle["y"]), round(middle["x"])] == 2
+    interactions = pd.read_csv(out / "interactions.csv")
+    assert interactions["section"].max() == 20
+    assert f"3 strands, {len(crossings)} crossings" in capsys.readouterr().out
+
+
+def test_without_a_scale_nothing_is_in_metres(pictures, tmp_path):
+    assert run("photo", pictures / "a.png", "-o", tmp_path, "--n-sec", 5, "--quiet") == 0
+    for name in ("strands.csv", "crossings.csv", "interactions.csv", "densities.csv"):
+        table = pd.read_csv(tmp_path / name)
+        assert not [column for column in table.columns if column.endswith("_m")]
+    assert pd.read_csv(tmp_path / "interactions.csv")["section"].max() == 5
+
+
+def test_every_column_is_explained(pictures, tmp_path):
+    run("photo", pictures / "a.png", "-o", tmp_path, "--scale", "filament:0.8mm", "--quiet")
+    explained = (tmp_path / "DATA.md").read_text()
+    words = {word.strip(" ,") for word in explained.replace("|", " ").split()}
+    for path in tmp_path.glob("*.csv"):
+        for column in pd.read_csv(path).columns:
+            assert column.removesuffix("_per_m") in words | {"density"}, column
+
+
+def test_a_batch_goes_on_and_says_what_was_refused(pictures, tmp_path, capsys):
+    assert run("photo", pictures, "-o", tmp_path, "--quiet", "--json") == 0
+    rows = {row["photo"]: row for row in json.loads(capsys.readouterr().out)}
+    assert rows["a.png"]["strands"] == rows["b.png"]["strands"] == 3
+    assert "nothing stands out" in rows["black.png"]["refused"]
+    assert "1 x 1 pixels" in rows["dot.png"]["refused"]
+    assert "cannot be read" in rows["cut.jpg"]["refused"]
+    assert {p.name for p in tmp_path.iterdir() if p.is_dir()} == {"a", "b"}
+    assert set(pd.read_csv(tmp_path / "strands.csv")["photo"]) == {"a.png", "b.png"}
+
+
+def test_a_batch_takes_up_where_it_stopped(pictures, tmp_path):
+    args = ("photo", pictures / "a.png", pictures / "b.png", "-o", tmp_path, "--quiet")
+    assert run(*args) == 0
+    first = {p: p.stat().st_mtime_ns for p in tmp_path.glob("*/strands.csv")}
+    (tmp_path / "b" / "provenance.json").write_text("{ cut")
+    assert run(*args) == 0
+    again = {p: p.stat().st_mtime_ns for p in tmp_path.glob("*/strands.csv")}
+    assert again[tmp_path / "a" / "strands.csv"] == first[tmp_path / "a" / "strands.csv"]
+    assert again[tmp_path / "b" / "strands.csv"] > first[tmp_path / "b" / "strands.csv"]
+    assert run(*args, "--n-sec", 7) == 0
+    assert pd.read_csv(tmp_path / "a" / "interactions.csv")["section"].max() == 7
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "reason"),
+    [
+        ("none.png", (), "no such file"),
+        ("dot.png", (), "1 x 1 pixels"),
+        ("black.png", (), "nothing stands out"),
+        ("cut.jpg", (), "cannot be read as a picture"),
+        ("a.png", ("--scale", "fast"), "write it as"),
+        ("a.png", ("--scale", "marker:20mm"), "no ArUco marker"),
+        ("a.png", ("--roi", "1,2,3"), "four whole numbers"),
+        ("a.png", ("--roi", "0,0,9000,9"), "does not lie in the picture"),
+    ],
+)
+def test_a_mistake_is_one_line_and_leaves_nothing(
+    pictures, tmp_path, capsys, name, options, reason
+):
+    assert run("photo", pictures / name, "-o", tmp_path / "out", "--quiet", *options) == 2
+    told = capsys.readouterr().err.strip()
+    assert reason in told
+    assert "\n" not in told
+    assert not list((tmp_path / "out").glob("*")) if (tmp_path / "out").exists() else True
+
+
+def test_help_shows_an_example(capsys):
+    assert run("photo", "--help") == 0
+    assert "combing photo curl.jpg --scale" in capsys.readouterr().out

@@ -1,0 +1,116 @@
+"""Colours are found without being told how many, in any light, on any plain ground."""
+
+import cv2
+import numpy as np
+import pytest
+
+from imaging import Photo, Unmeasurable, segment
+from imaging.synthetic import Look, Picture, render
+
+SHAPE = (240, 320)
+
+
+def parallel(count: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Wavy strands side by side, one diagonal strand on top of the others."""
+    y = np.linspace(10, 230, 300)
+    lines = [
+        np.stack([30 + 260 * i / max(count - 2, 1) + 6 * np.sin(y / 25 + i), y], axis=1)
+        for i in range(count - 1)
+    ]
+    lines.append(np.stack([np.linspace(15, 305, 400), np.linspace(30, 210, 400)], axis=1))
+    heights = [np.full(len(line), 30.0 * (i == count - 1)) for i, line in enumerate(lines)]
+    return lines, heights
+
+
+def picture(colours: list[tuple[float, float, float]], look: Look, radius: float = 4) -> Picture:
+    lines, heights = parallel(len(colours))
+    return render(lines, heights, colours, radius, SHAPE, look=look, rng=7)
+
+
+def agreement(found: np.ndarray, truth: np.ndarray) -> float:
+    """Share of the labelled strand pixels whose label stands for the strand that is there."""
+    both = (truth > 0) & (found > 0)
+    best = sum(
+        np.bincount(found[both & (truth == strand)]).max() for strand in range(1, truth.max() + 1)
+    )
+    return best / both.sum()
+
+
+BRIGHT = [(0.85, 0.1, 0.2), (0.1, 0.6, 0.25), (0.1, 0.3, 0.8), (0.95, 0.85, 0.1)]
+GREYS = [(0.02, 0.02, 0.02), (0.97, 0.97, 0.97), (0.8, 0.2, 0.2), (0.5, 0.5, 0.5)]
+SCENES = {
+    "on white": (BRIGHT, Look()),
+    "on black": (BRIGHT, Look(background=(0.03, 0.03, 0.03))),
+    "greys on green cloth": (GREYS, Look(background=(0.35, 0.55, 0.4), uneven=0.15)),
+    "uneven light": (BRIGHT, Look(uneven=0.6)),
+    "yellow lamp": (BRIGHT, Look(background=(0.9, 0.75, 0.5))),
+    "noise": (BRIGHT, Look(noise=0.04)),
+    "blur": (BRIGHT, Look(blur=1.6)),
+    "highlights": (BRIGHT, Look(highlight=0.6)),
+}
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_colours_are_counted_and_placed(scene):
+    colours, look = SCENES[scene]
+    drawn = picture(colours, look)
+    found = segment(Photo(drawn.pixels))
+    assert len(found.colours) == len(colours)
+    assert agreement(found.labels, drawn.labels) > 0.97
+    core = cv2.erode((drawn.labels > 0).astype(np.uint8), np.ones((5, 5))) > 0
+    near = cv2.dilate((drawn.labels > 0).astype(np.uint8), np.ones((3, 3))) > 0
+    assert (found.labels[core] > 0).mean() > 0.97
+    assert not found.labels[~near].any()
+
+
+def test_exposure_does_not_matter():
+    drawn = picture(BRIGHT, Look(uneven=0))
+    dark = (drawn.pixels * 0.6).astype(np.uint8)
+    a, b = segment(Photo(drawn.pixels)), segment(Photo(dark))
+    assert ((a.labels > 0) != (b.labels > 0)).mean() < 0.01
+    assert len(a.colours) == len(b.colours)
+
+
+def test_membership_is_coverage_and_halves_at_the_edge():
+    drawn = picture(BRIGHT, Look(noise=0))
+    found = segment(Photo(drawn.pixels))
+    assert found.membership.dtype == np.float32
+    assert found.membership.shape == (len(BRIGHT), *SHAPE)
+    assert found.membership.min() >= 0
+    assert found.membership.sum(axis=0).max() <= 1 + 1e-5
+    np.testing.assert_array_equal(found.labels > 0, found.membership.sum(axis=0) > 0.5)
+
+
+@pytest.mark.parametrize("radius", [2.5, 4, 7])
+def test_width_is_that_of_the_tubes_within_the_blur(radius):
+    """sRGB's curve moves the half-contrast edge by about a blur: in on white, out on black."""
+    on_white = segment(Photo(picture(BRIGHT, Look(noise=0), radius).pixels)).width
+    black = Look(noise=0, background=(0.03, 0.03, 0.03))
+    on_black = segment(Photo(picture(BRIGHT, black, radius).pixels)).width
+    assert 2 * radius - 2.2 < on_white < 2 * radius
+    assert 2 * radius - 0.1 < on_black < 2 * radius + 2.2
+
+
+def test_sixteen_bits_give_the_same():
+    drawn = picture(BRIGHT, Look())
+    deep = Photo(drawn.pixels.astype(np.uint16) * 257)
+    np.testing.assert_array_equal(segment(deep).labels, segment(Photo(drawn.pixels)).labels)
+
+
+def test_what_is_ignored_is_background():
+    drawn = picture(BRIGHT, Look())
+    ignore = np.zeros(SHAPE, bool)
+    ignore[:, :100] = True
+    assert not segment(Photo(drawn.pixels, ignore=ignore)).labels[:, :98].any()
+
+
+@pytest.mark.parametrize("level", [0, 128, 255])
+def test_a_blank_picture_is_refused(level):
+    with pytest.raises(Unmeasurable, match="nothing stands out"):
+        segment(Photo(np.full((*SHAPE, 3), level, np.uint8)))
+
+
+def test_noise_alone_is_refused():
+    noise = np.random.default_rng(0).normal(128, 5, (*SHAPE, 3)).clip(0, 255).astype(np.uint8)
+    with pytest.raises(Unmeasurable):
+        segment(Photo(noise))
