@@ -29,6 +29,8 @@ class Section:
         Name of the CSV file with the plotted numbers.
     tables : sequence of (caption, DataFrame)
         Tables below the figure.
+    notes : sequence of str
+        What was left out or is doubtful.
     """
 
     title: str
@@ -37,6 +39,7 @@ class Section:
     caption: str = ""
     data: str | None = None
     tables: Sequence[tuple[str, pd.DataFrame]] = field(default_factory=list)
+    notes: Sequence[str] = ()
 
 
 def write_report(

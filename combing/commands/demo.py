@@ -66,8 +66,13 @@ def error_lines(errors: pd.DataFrame) -> Iterator[str]:
         f"{', '.join(f'{one:.1f}' for one in spread[1:])} 1/m with the tine on its way"
     )
     counts = errors[errors["quantity"].str.startswith("count")]
-    for quantity, rows in counts.groupby("quantity", sort=True):
-        yield (
-            f"  N-body interactions, {str(quantity).removeprefix('count, ')}: "
-            f"{rows['measured'].sum():.0f} counted, {rows['truth'].sum():.0f} true"
-        )
+    total = counts[["measured", "truth"]].groupby(counts["quantity"], sort=False).sum()
+    found = [
+        f"{str(quantity).removeprefix('count, ')}: {row['measured']:.0f}/{row['truth']:.0f}"
+        for quantity, row in total.sort_index(key=_by_number).iterrows()
+    ]
+    yield f"  N-body interactions, counted/true: {', '.join(found)}"
+
+
+def _by_number(quantities: pd.Index) -> pd.Index:
+    return quantities.str.extract(r"(\d+)", expand=False).astype(int)

@@ -19,6 +19,7 @@ from combing.study import LinkSet, tine_positions
 from combing.tables import read_table
 from combing.virtual_lab.helix_photos import Shot, take
 from combing.virtual_lab.photographs import MARKER_SIDE
+from imaging.helix import helix
 
 
 def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
@@ -43,14 +44,14 @@ def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
 
 def measure_helix(photo: imaging.Photo, pixel: float, root: str) -> pd.DataFrame:
     """Link density (s, link, sd) of a photograph whose pixels are `pixel` metres wide."""
-    helix = imaging.helix(photo, scale=1 / pixel, root=root)
-    table = helix.link_density.copy()
+    found = helix(photo, scale=1 / pixel, root=root)
+    table = found.link_density.copy()
     table.attrs = {
-        "resolution": helix.resolution,
-        "total_link": helix.total_link,
-        "R": helix.R,
-        "lean": helix.lean,
-        "warnings": list(helix.warnings),
+        "resolution": found.resolution,
+        "total_link": found.total_link,
+        "R": found.R,
+        "lean": found.lean,
+        "warnings": list(found.warnings),
     }
     return table
 
@@ -85,7 +86,8 @@ def compare_link(
             if chosen.photograph_simulation:
                 curves["camera"] = photographed_link(run, d)
         tine = d + tine_start(run) if run is not None else np.nan
-        parts += [_plotted(chosen.name, source, curve, d, tine) for source, curve in curves.items()]
+        place = {"set": chosen.name, "photo": seen.attrs["photo"], "d": d, "tine": tine}
+        parts += [_plotted(place, source, curve) for source, curve in curves.items()]
         rows.append(_row(chosen.name, seen.attrs["photo"], d, curves))
     plotted = pd.concat(parts, ignore_index=True)
     plotted["reference"] = reference if reference is not None else plotted["link"].median()
@@ -143,10 +145,9 @@ def averaged(s: np.ndarray, link: np.ndarray, at: np.ndarray, width: float) -> n
     return (np.interp(high, s, turns) - np.interp(low, s, turns)) / np.maximum(high - low, 1e-12)
 
 
-def _plotted(name: str, source: str, curve: pd.DataFrame, d: float, tine: float) -> pd.DataFrame:
-    columns = curve[["s", "link", "sd"]].reset_index(drop=True)
-    place = pd.DataFrame({"set": name, "source": source, "d": d, "tine": tine}, columns.index)
-    return pd.concat([place, pd.DataFrame(columns.to_dict("series"))], axis=1)
+def _plotted(place: dict, source: str, curve: pd.DataFrame) -> pd.DataFrame:
+    columns = {name: curve[name].to_numpy() for name in ("s", "link", "sd")}
+    return pd.DataFrame(place | {"source": source} | columns)
 
 
 def _row(name: str, photo: str, d: float, curves: Mapping[str, pd.DataFrame]) -> dict:

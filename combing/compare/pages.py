@@ -82,9 +82,8 @@ def _section(study: Study, kind: str, found: Comparison, folder: Path) -> Sectio
     origin = "synthetic experiment (virtual lab)" if found.synthetic else "measured experiment"
     write_table(folder / f"{kind}.csv", found.plotted, [f"{title}; {origin}; SI units"])
     paragraphs = [text.format(n_sec=study.n_sec)]
-    if found.notes:
-        paragraphs.append("Notes: " + "; ".join(found.notes) + ".")
-    return Section(title, paragraphs, png, caption, f"{kind}.csv", found.numbers)
+    data = f"{kind}.csv"
+    return Section(title, paragraphs, png, caption, data, found.numbers, notes=found.notes)
 
 
 def _drawers(study: Study) -> dict[str, Callable[[Comparison], Figure]]:

@@ -37,7 +37,7 @@ def draw_force(table: pd.DataFrame, *, synthetic: bool) -> Figure:
             panel.set(title=name, xlabel=r"$x = d/D$", ylabel=r"$f = l_0^2 F/B$")
         for panel in panels[len(sets) :]:
             panel.remove()
-        legend_above(figure, panels[0], 3)
+        legend_above(figure, panels[0], 3 if len(sets) > 1 else 2)
         mark_synthetic(figure, synthetic)
     return figure
 

@@ -59,4 +59,5 @@ def _draw_set(panel: Axes, rows: pd.DataFrame) -> None:
         )
         for sample in density:
             panel.plot(density.index + shift, density[sample], ".", ms=3, color="black", alpha=0.5)
+    panel.set_ylim(bottom=0)
     panel.set_xticks(sorted(rows["N"].unique()))

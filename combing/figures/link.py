@@ -26,12 +26,16 @@ def draw_link(table: pd.DataFrame, *, synthetic: bool) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        Columns set, source (experiment, simulation, camera), d, tine, s, link, sd, reference.
+        Columns set, photo, source (experiment, simulation, camera), d, tine, s, link, sd,
+        reference.
     synthetic : bool
         Whether the experiment comes from the virtual lab.
     """
-    keys = table[["set", "d"]].drop_duplicates().sort_values(["set", "d"])
-    groups = [table[(table["set"] == name) & (table["d"] == d)] for name, d in keys.to_numpy()]
+    keys = table[["set", "d", "photo"]].drop_duplicates().sort_values(["set", "d"])
+    groups = [
+        table[(table["set"] == name) & (table["photo"] == photo)]
+        for name, photo in keys[["set", "photo"]].to_numpy()
+    ]
     with paper_style():
         figure, panels = new_figure(-(-len(groups) // COLUMNS), COLUMNS, 1.25, share=True)
         limits = _limits(table)

@@ -45,8 +45,8 @@ def paper_style() -> Iterator[None]:
 def new_figure(
     rows: int, columns: int, height: float, *, share: bool = False
 ) -> tuple[Figure, list[Axes]]:
-    """Make a grid of panels, `height` inches a row; one panel alone gets a column and a half."""
-    width = WIDTH if columns > 1 else 0.65 * WIDTH
+    """Make a grid of panels, `height` inches a row; one panel alone is narrower."""
+    width = WIDTH if columns > 1 else 0.7 * WIDTH
     figure = Figure(figsize=(width, height * rows + 0.5), layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=share, sharey=share)

@@ -11,11 +11,10 @@ import sim
 from combing.camera import Array, Camera
 from combing.render import Tine
 from combing.virtual_lab.photographs import NYLON, broadside, frame, photograph, smooth
-from combing.virtual_lab.specimens import RADIUS
 
-PLACES = (0.004, 0.008, 0.012, 0.045, 0.075, 0.105)
-WINDOW = 0.006  # m; how far from its place the tine may be when the picture is taken
-PIXEL = RADIUS / 8
+PLACES = (0.004, 0.008, 0.014, 0.04, 0.065, 0.09)
+WINDOW = 0.004  # m; how far from its place the tine may be when the picture is taken
+PIXELS_PER_RADIUS = 8
 TINE_SHOWN = 0.02
 
 
@@ -67,14 +66,16 @@ def view(run: sim.Run, shot: Shot) -> Camera:
     """Camera of a shot: before the broad side of the kink, or along the tine to come."""
     strands = strands_of(run, shot)
     towards = np.array(run.scene.tines[0].axis) if np.isnan(shot.d) else broadside(strands)
-    return frame(strands, towards / np.linalg.norm(towards), PIXEL)
+    pixel = run.scene.rods[0].radius / PIXELS_PER_RADIUS
+    return frame(strands, towards / np.linalg.norm(towards), pixel)
 
 
 def take(run: sim.Run, shot: Shot, *, rng: np.random.Generator | int | None) -> NDArray[np.uint8]:
     """Take the picture (h, w, 3)."""
     tine = None if np.isnan(shot.d) else _tine(run.scene.tines[0], shot.d)
     strands = strands_of(run, shot)
-    return photograph(strands, RADIUS, NYLON, view(run, shot), tine=tine, rng=rng)
+    radius = run.scene.rods[0].radius
+    return photograph(strands, radius, NYLON, view(run, shot), tine=tine, rng=rng)
 
 
 def true_link(run: sim.Run, shot: Shot) -> pd.DataFrame:

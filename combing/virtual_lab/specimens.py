@@ -20,7 +20,7 @@ SNAPSHOTS = 201
 
 HAIR_RADIUS = 7.5e-5
 HAIRS = 12
-CURLS = 4
+CURLS = 3
 
 
 @dataclass(frozen=True)
