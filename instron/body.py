@@ -8,6 +8,7 @@ by line, so that a refusal can name the line.
 import io
 import re
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,7 +28,7 @@ class Body:
 
     header: Header
     values: dict[int, np.ndarray]
-    lines: np.ndarray  # line of the file, from 0, of every row
+    lines: Sequence[int]  # line of the file, from 0, of every row
     decimal: str = "."
     thousands: bool = False
     warnings: list[str] = field(default_factory=list)
@@ -48,7 +49,7 @@ def read_bodies(source: Source, header: Header, delimiter: str) -> list[Body]:
 def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     """Return the body if the rest of the file is one clean table, else None."""
     start = _offset(source, header.first_row)
-    mark, thousands = _simple_marks(source, start, delimiter, header.width)
+    mark, thousands = _simple_marks(source, start, delimiter)
     if mark is None or not _last_line_is_whole(source, header, delimiter):
         return None
     table = _pandas(source, header, delimiter, (mark, thousands), start)
@@ -65,7 +66,7 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
         return None
     if not _first_row_agrees(source, header, delimiter, mark, values):
         return None
-    lines = np.arange(header.first_row, header.first_row + len(table))
+    lines = range(header.first_row, header.first_row + len(table))
     return Body(header, values, lines, mark, thousands is not None)
 
 
@@ -77,13 +78,11 @@ def _offset(source: Source, line: int) -> int:
     return position
 
 
-def _simple_marks(
-    source: Source, start: int, delimiter: str, width: int
-) -> tuple[str | None, str | None]:
+def _simple_marks(source: Source, start: int, delimiter: str) -> tuple[str | None, str | None]:
     """Return decimal and thousands mark where the bytes of the body leave no doubt, else None."""
     comma, point, quote = (source.data.find(mark, start) >= 0 for mark in (b",", b".", b'"'))
     if delimiter == ",":
-        found = grouping(source.data, start, _all_quoted(source, start, width)) if quote else "none"
+        found = grouping(source.data, start) if quote else "none"
         return {"none": (".", None), "regular": (".", ",")}.get(found, (None, None))
     if not comma:
         return ".", None
@@ -91,11 +90,6 @@ def _simple_marks(
     if not point and re.search(rb"\d,(?!\d{3}(?!\d))\d|(?<!\d)0,\d", source.data[start:]):
         return ",", None
     return None, None
-
-
-def _all_quoted(source: Source, start: int, width: int) -> bool:
-    body = source.data[start:]
-    return body.count(b'"') == 2 * width * (body.count(b"\n") + (not source.ends_in_newline()))
 
 
 def _pandas(
@@ -114,8 +108,7 @@ def _pandas(
                 skiprows=header.first_row if source.on_disk else 0,
                 decimal=marks[0],
                 thousands=marks[1],
-                skipinitialspace=True,
-                encoding="latin-1" if source.encoding != "ascii" else "utf-8",
+                encoding_errors="replace",  # only digits matter here; latin-1 would be twice as slow
                 engine="c",
             )
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError):
@@ -156,7 +149,9 @@ def _rows_are_lines(source: Source, start: int, rows: int) -> bool:
     """Return False if a line break inside quotes may have joined two lines."""
     if source.data.find(b'"', start) < 0:
         return True
-    return rows == source.data[start:].count(b"\n") + (not source.ends_in_newline())
+    size, step = len(source.data), 1 << 18
+    breaks = sum(source.data[i : i + step].count(b"\n") for i in range(start, size, step))
+    return rows == breaks + (not source.ends_in_newline())
 
 
 def _first_row_agrees(
@@ -268,7 +263,7 @@ def _exact(source: Source, header: Header, rows: list[int], delimiter: str) -> B
         i: pd.Series([row[i] if i < len(row) else "" for row in cells], dtype=object)
         for i in header.used()
     }
-    body = Body(header, {}, np.array(rows))
+    body = Body(header, {}, rows)
     try:
         body.decimal = decimal_mark([text for column in texts.values() for text in column])
     except Unclear as error:

@@ -1,6 +1,7 @@
 """What is refused or flagged in numbers that were read without error."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,7 @@ HUGE = 9e36
 SLOW = 0.05e-3 / 60  # m/s: slower than any combing or tensile test
 
 
-def refuse_fill_values(where: str, quantity: str, values: np.ndarray, lines: np.ndarray) -> None:
+def refuse_fill_values(where: str, quantity: str, values: np.ndarray, lines: Sequence[int]) -> None:
     """Refuse infinities and the constants that loggers write where nothing was measured."""
     if values.max() < HUGE and values.min() > max(FILL_VALUES):
         return
@@ -28,7 +29,7 @@ def refuse_fill_values(where: str, quantity: str, values: np.ndarray, lines: np.
         )
 
 
-def drop_jump_back(where: str, table: pd.DataFrame, lines: np.ndarray) -> tuple[int, list[str]]:
+def drop_jump_back(where: str, table: pd.DataFrame, lines: Sequence[int]) -> tuple[int, list[str]]:
     """Return how many rows to keep, so that time does not run back, and what was found.
 
     A last row that jumps back is dropped; a jump elsewhere is refused, unless it is smaller than

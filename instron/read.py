@@ -143,7 +143,8 @@ def _table(
         values = body.values[specimen[quantity].index][keep]
         refuse_fill_values(where, quantity, values, lines)
         unit, stated = written[quantity]
-        columns[quantity] = values * factor(unit, quantity)
+        scale = factor(unit, quantity)
+        columns[quantity] = values if scale == 1 else values * scale
         if not stated:
             notes.append(f"the unit of {quantity} is not stated: taken as {unit}")
     table = pd.DataFrame(columns, copy=False)
@@ -155,7 +156,7 @@ def _table(
     return table
 
 
-def _complete_rows(source: Source, body: Body, specimen: Specimen) -> np.ndarray | slice:
+def _complete_rows(source: Source, body: Body, specimen: Specimen) -> slice:
     """Return the rows in which the specimen has all its numbers; only its end may lack any.
 
     Specimens side by side end at different rows, and spreadsheets leave rows of bare delimiters.
