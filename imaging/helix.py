@@ -31,6 +31,7 @@ from imaging.segment import Segmentation, segment
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 STEEP = np.radians(5.0)  # a lean out of the picture that the user should hear of
+MISFIT = 4.0  # times the noise; where half of the edges lie further off, no helix is
 THIN = 2.5  # px; strands thinner than this have no middle to measure
 
 
@@ -187,7 +188,7 @@ def _first_look(membership: NDArray[np.float32], root: str) -> _Start:
     R = max(helix_radius(seen, turns), 0.5 * r)
     pitch = 2 * float(np.median(np.diff(turns.s)))
     # Smoothing cuts the corner of a kink, where sections would then be aslant and look too wide.
-    spread = spread_apart(seen, R, 0.4 * pitch)
+    spread = spread_apart(seen, R, 0.5 * pitch)
     smooth = smoothed(axis, pitch / 4)
     place = _places(smooth, axis)
     turns = replace(turns, s=np.interp(turns.s, place, smooth.s))
@@ -329,7 +330,7 @@ def _measured(
     arc = stretch * np.r_[0.0, np.cumsum(0.5 * (table.speed[1:] + table.speed[:-1]) * np.diff(table.s))]
     t = np.arange(0.0, model.axis.s[-1], max(start.r, 2.0))
     s = np.interp(t, table.s, arc)
-    resolved = _resolved(t, model, edges, valid, start.pitch)
+    resolved = _resolved(t, fitted, edges, valid, start.pitch)
     phase = _phase_table(fitted, t, s, resolved, per_pixel)
     link = _link_table(fitted, t, s, resolved, stretch, np.hypot(scale_sd, np.tan(lean) * lean_sd))
     phase.attrs |= {"unit": unit, "knot_s": t}
@@ -371,11 +372,16 @@ def _lean(fitted: Fit) -> tuple[float, float]:
     return float(np.arcsin(sine)), sd / np.sqrt(1 - sine**2)
 
 
-def _resolved(t: Array, model: Model, edges: Edges, valid: Mask, pitch: float) -> Mask:
-    """Where sections are valid and edges were found within an eighth of a pitch."""
-    order = np.sort(edges.s)
-    near = np.searchsorted(order, t + pitch / 8) - np.searchsorted(order, t - pitch / 8)
-    return valid[np.minimum(np.rint(t).astype(int), len(valid) - 1)] & (near > pitch / 8)
+def _resolved(t: Array, fitted: Fit, edges: Edges, valid: Mask, pitch: float) -> Mask:
+    """Where sections are valid, and edges within an eighth of a pitch are there and fit."""
+    order = np.argsort(edges.s)
+    place = edges.s[order]
+    first, last = (np.searchsorted(place, t + side * pitch / 8) for side in (-1, 1))
+    misfit = np.cumsum(np.r_[0, np.abs(fitted.residual[order]) > MISFIT * fitted.noise])
+    count = last - first
+    bad = (misfit[last] - misfit[first]) / np.maximum(count, 1)
+    here = valid[np.minimum(np.rint(t).astype(int), len(valid) - 1)]
+    return here & (count > pitch / 8) & (bad < 0.5)
 
 
 def _phase_table(fitted: Fit, t: Array, s: Array, resolved: Mask, per_pixel: float) -> pd.DataFrame:

@@ -110,7 +110,9 @@ def half_turns(seen: Look, r: float) -> HalfTurns:
     Unmeasurable
         When the strands swap sides fewer than twice.
     """
-    side, runs = _sides(seen.separation, max(0.35 * r, 1.5))
+    size = np.abs(np.nan_to_num(seen.separation))
+    typical = float(np.median(size[size > 0])) if size.any() else 0.0
+    side, runs = _sides(seen.separation, max(0.35 * r, 0.4 * typical, 1.5))
     if len(side) < 3:
         raise Unmeasurable(
             f"the two strands swap sides {max(len(side) - 1, 0)} times; "

@@ -89,6 +89,8 @@ class Fit:
         Number of neighbouring edge points that err as one.
     blur : float
         Width (standard deviation) of the edges found [px].
+    residual : (n,) array
+        Distance of every edge point from the fitted outline [px].
     """
 
     model: Model
@@ -98,6 +100,7 @@ class Fit:
     noise: float
     correlation: float
     blur: float
+    residual: Array
 
 
 def fit(
@@ -132,7 +135,8 @@ def fit(
         model = model.moved(beta)
     freedom = _freedom(model, information, covariance)
     blur = 0.4 / float(np.median(edges.steepness))
-    return Fit(model, covariance, prior, freedom, noise, correlation, blur)
+    residual, _ = _linearised(model, edges)
+    return Fit(model, covariance, prior, freedom, noise, correlation, blur, residual)
 
 
 def _linearised(model: Model, edges: Edges) -> tuple[Array, csr_matrix]:

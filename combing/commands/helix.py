@@ -1,0 +1,289 @@
+"""``combing helix``: photographs of two twisted strands to link density along their axis."""
+
+import json
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+import cv2
+import numpy as np
+import pandas as pd
+from tqdm import tqdm
+
+import imaging
+from combing.errors import UserError, is_users_fault
+from imaging.helix import HelixMeasurement, helix
+from imaging.helix_pictures import (
+    draw_helix_overlay,
+    kymograph_figure,
+    link_figure,
+    sequence_figure,
+)
+from imaging.helix_sequence import HelixSequence, kymograph, sequence_of
+from imaging.photo import Photo
+from imaging.scale import FORMS, Request, Scale, from_marker, from_ruler, parse_scale, stated
+
+COLUMNS = {
+    "s": "arclength of the axis from the root [UNIT]",
+    "link": "link density [1/UNIT], right-handed > 0; empty: not resolved",
+    "sd": "standard deviation of the column before it",
+    "phi": "phase [rad]: pi/2 + 2 pi n where strand a is in front",
+    "R": "helix radius [UNIT]",
+    "R_sd": "its standard deviation [UNIT]",
+    "x, y": "axis in the picture [px], pixel centres at whole numbers, x right, y down",
+    "resolved": "whether the helix is measured there",
+    "front": "strand in front at a crossing",
+    "sense": "+1 right-handed, -1 left-handed",
+    "confidence": "width by which the front strand shows more than the other, over its width",
+    "frame": "number of the photograph in the series, from 0",
+    "change, change_sd": "(lambda - lambda_0) / lambda_0",
+    "behind, ahead": "mean link density on the root's and on the tip's side of the tine [1/UNIT]",
+    "jump": "(ahead - behind) / lambda_0",
+    "tine": "arclength of the tine [UNIT]",
+}
+
+
+@dataclass(frozen=True)
+class Options:
+    """What was asked of every photograph."""
+
+    scale: Request | None
+    root: str
+    colours: tuple[int, int] | None
+    tine: tuple[float, ...] | None
+    roi: tuple[int, int, int, int] | None
+
+
+@click.command()
+@click.argument("photos", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True,
+              help="Folder for the results; holds a folder for each of several photos.")  # fmt: skip
+@click.option("--scale", help=f"Pixels to metres: {FORMS}. Without it, results are in pixels.")
+@click.option("--root", type=click.Choice(["top", "bottom", "left", "right"]), default="top",
+              show_default=True, help="Side of the picture where the clamped end is.")  # fmt: skip
+@click.option("--colours", help="The two strands among the colours found, as I,J from 0.")
+@click.option("--tine", help="Where the tine crosses, as X,Y or X,Y,RADIUS [px].")
+@click.option("--positions", help="Tine positions x = d/D of the photos: a series, as X1,X2,...")
+@click.option("--before", type=click.Path(path_type=Path),
+              help="With --positions: photo before combing, for lambda_0; else the first one.")  # fmt: skip
+@click.option("--roi", help="Look only inside x0,y0,x1,y1 [px].")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@click.option("--quiet", is_flag=True, help="No progress, no summary.")
+def command(
+    photos: tuple[Path, ...],
+    output: Path,
+    scale: str | None,
+    root: str,
+    colours: str | None,
+    tine: str | None,
+    positions: str | None,
+    before: Path | None,
+    roi: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    r"""Measure link density, radius and handedness of two strands wound round each other.
+
+    The strands must differ in colour. With --positions, the photographs are a series while a tine
+    combs the helix, and the change of link density and the jump across the tine are drawn too.
+
+    \b
+    Example:
+      combing helix helix.jpg --scale marker:20mm -o out/
+      combing helix frame_*.png --positions 0.1,0.3,0.5 --before rest.png --scale 41px/mm -o out/
+    """
+    options = Options(
+        parse_scale(scale) if scale else None,
+        root,
+        _numbers("--colours", colours, (2,), int),
+        _numbers("--tine", tine, (2, 3), float),
+        _numbers("--roi", roi, (4,), int),
+    )
+    places = _numbers("--positions", positions, (len(photos),), float)
+    if before is not None and places is None:
+        raise UserError("--before needs --positions, one for each photograph")
+    rest = None if before is None else _measure(before, options)[1]
+    output.mkdir(parents=True, exist_ok=True)
+    rows, measured = _measure_all(photos, output, options, places is not None, quiet)
+    if places is not None:
+        first = rest or measured[0]
+        lambda_0 = (1 / first.pitch, first.pitch_sd / first.pitch**2)
+        sequence = sequence_of(measured, places, lambda_0)
+        _put(output, lambda folder: _fill_sequence(folder, sequence))
+    if as_json:
+        click.echo(json.dumps(rows, indent=1))
+    elif not quiet:
+        click.echo("\n".join([*(_line(row) for row in rows), f"results in {output}"]))
+    if not measured:
+        raise UserError(f"none of the {len(rows)} photographs could be measured (reasons above)")
+
+
+def _numbers(
+    name: str, text: str | None, counts: tuple[int, ...], kind: Callable[[str], Any]
+) -> tuple[Any, ...] | None:
+    """Read numbers separated by commas from an option."""
+    if text is None:
+        return None
+    try:
+        values = tuple(kind(part) for part in text.split(","))
+    except ValueError:
+        values = ()
+    if len(values) not in counts:
+        wanted = " or ".join(map(str, counts))
+        raise UserError(f"{name} {text}: give {wanted} numbers separated by commas")
+    return values
+
+
+def _measure_all(
+    photos: tuple[Path, ...], output: Path, options: Options, whole: bool, quiet: bool
+) -> tuple[list[dict[str, Any]], list[HelixMeasurement]]:
+    """Measure every photograph into its folder; a bad one is listed unless the series needs it."""
+    rows, measured = [], []
+    names = _folder_names(photos)
+    for path, name in tqdm(
+        list(zip(photos, names, strict=True)), unit="photo", disable=quiet or len(photos) < 2
+    ):
+        try:
+            photo, found = _measure(path, options)
+        except Exception as error:
+            if whole or len(photos) == 1 or not is_users_fault(error):
+                raise
+            rows.append({"photo": path.name, "refused": str(error)})
+            continue
+        folder = output if len(photos) == 1 else output / name
+        row = _row(path, found)
+        _put(folder, lambda into, p=photo, f=found, r=row: _fill(into, p, f, r))
+        rows.append(row)
+        measured.append(found)
+    return rows, measured
+
+
+def _folder_names(photos: tuple[Path, ...]) -> list[str]:
+    names: list[str] = []
+    for path in photos:
+        taken = names.count(path.stem)
+        names.append(f"{path.stem}-{taken + 1}" if taken else path.stem)
+    return names
+
+
+def _measure(path: Path, options: Options) -> tuple[Photo, HelixMeasurement]:
+    """Read and measure one photograph; the message of a failure names it."""
+    photo = imaging.read_photo(path, roi=options.roi)
+    known = {"colours": options.colours, "root": options.root, "tine": options.tine}
+    try:
+        scale, photo = _scale(photo, options.scale)
+        found = helix(photo, scale=scale, **known)
+        if options.scale is not None and options.scale.kind == "filament":
+            # The strands' fitted width is the known length.
+            found = helix(photo, scale=_from_width(found, options.scale.numbers[0]), **known)
+    except imaging.Unmeasurable as error:
+        text = str(error)
+        raise UserError(text if str(path) in text else f"{path}: {text}") from error
+    return photo, found
+
+
+def _scale(photo: Photo, request: Request | None) -> tuple[Scale | None, Photo]:
+    if request is None or request.kind == "filament":
+        return None, photo
+    if request.kind in ("marker", "plane"):
+        return from_marker(photo, *request.numbers, perspective=request.kind == "plane")
+    if request.kind == "stated":
+        return stated(*request.numbers), photo
+    x0, y0, x1, y1, length = request.numbers
+    return from_ruler((x0, y0), (x1, y1), length), photo
+
+
+def _from_width(found: HelixMeasurement, diameter: float) -> Scale:
+    if not diameter > 0:
+        raise UserError(f"filament of {diameter:g} m; its diameter must be positive")
+    # The half-contrast edge of a shaded tube lies within a few per cent of its outline.
+    return Scale(diameter / (2 * found.r), 0.03, "filament diameter")
+
+
+def _row(path: Path, found: HelixMeasurement) -> dict[str, Any]:
+    """Summarise one photograph, in plain numbers."""
+    numbers = ("total_link", "total_link_sd", "pitch", "pitch_sd", "R", "R_sd", "r", "resolution")
+    return {
+        "photo": path.name,
+        "refused": "",
+        "handedness": found.handedness,
+        **{name: float(f"{getattr(found, name):.7g}") for name in numbers},
+        "lean_degrees": round(float(np.degrees(found.lean)), 3),
+        "tine": found.tine,
+        "unit": found.unit,
+        "warnings": list(found.warnings),
+    }
+
+
+def _line(row: dict[str, Any]) -> str:
+    if row["refused"]:
+        return f"{row['photo']}: REFUSED, {row['refused']}"
+    unit, factor = ("mm", 1e3) if row["unit"] == "m" else ("px", 1.0)
+    text = (
+        f"{row['photo']}: {row['handedness']}-handed, {abs(row['total_link']):.3f} "
+        f"+- {row['total_link_sd']:.3f} turns, pitch {factor * row['pitch']:.4g} "
+        f"+- {factor * row['pitch_sd']:.2g} {unit}, R {factor * row['R']:.4g} {unit}, "
+        f"R/r {row['R'] / row['r']:.3f}"
+    )
+    if row["unit"] == "px":
+        text += "; no scale: lengths in pixels"
+    return "\n".join([text, *(f"  note: {warning}" for warning in row["warnings"])])
+
+
+def _put(folder: Path, fill: Callable[[Path], None]) -> None:
+    """Write all files to a hidden folder, then move them into place."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".partial-") as partial:
+        fill(Path(partial))
+        for file in sorted(Path(partial).iterdir()):
+            file.replace(folder / file.name)
+
+
+def _fill(folder: Path, photo: Photo, found: HelixMeasurement, row: dict[str, Any]) -> None:
+    _write_table(folder / "link.csv", found.link_density)
+    _write_table(folder / "phase.csv", found.phase)
+    _write_table(folder / "crossings.csv", found.crossings)
+    overlay = draw_helix_overlay(photo, found)[..., ::-1]
+    (folder / "overlay.png").write_bytes(cv2.imencode(".png", overlay)[1].tobytes())
+    _write_figure(folder / "link", link_figure(found))
+    (folder / "summary.json").write_text(json.dumps(row, indent=1), encoding="utf-8")
+    (folder / "DATA.md").write_text(_data_md(found.unit), encoding="utf-8")
+
+
+def _fill_sequence(folder: Path, sequence: HelixSequence) -> None:
+    _write_table(folder / "profiles.csv", sequence.profiles)
+    _write_table(folder / "jumps.csv", sequence.jumps)
+    x, s, change = kymograph(sequence)
+    table = pd.DataFrame({"s": s} | {f"x={v:.4g} #{i}": row for i, (v, row) in enumerate(zip(x, change, strict=True))})
+    _write_table(folder / "kymograph.csv", table)
+    _write_figure(folder / "change", sequence_figure(sequence))
+    _write_figure(folder / "kymograph", kymograph_figure(sequence))
+    unit = sequence.measurements[0].unit
+    (folder / "DATA.md").write_text(_data_md(unit), encoding="utf-8")
+
+
+def _write_table(path: Path, table: pd.DataFrame) -> None:
+    table.to_csv(path, index=False, float_format="%.7g", lineterminator="\n")
+
+
+def _write_figure(stem: Path, figure: Any) -> None:
+    figure.savefig(stem.with_suffix(".png"), dpi=150)
+    figure.savefig(stem.with_suffix(".svg"), metadata={"Date": None})
+
+
+def _data_md(unit: str) -> str:
+    rows = "\n".join(f"| {name} | {text.replace('UNIT', unit)} |" for name, text in COLUMNS.items())
+    return (
+        "# What the files hold\n\n"
+        "- `link.csv` link density along the axis; `phase.csv` phase, radius, axis\n"
+        "- `crossings.csv` half-turns; `summary.json` the helix in a few numbers\n"
+        "- `overlay.png` axis (white), outlines of strand a (amber) and b (cyan), a dot in the "
+        "colour of the strand in front at each crossing\n"
+        "- `link.png`, `link.svg` link density and radius with 95 % bands\n"
+        "- of a series: `profiles.csv`, `jumps.csv`, `kymograph.csv` (a column for each tine "
+        "position), `change.png`, `kymograph.png` and the same as SVG\n\n"
+        f"Lengths are in {unit}.\n\n| column | meaning |\n|---|---|\n{rows}\n"
+    )
