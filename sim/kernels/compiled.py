@@ -53,9 +53,19 @@ CACHE = cache_folder()
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile `function` without the interpreter, with the project's options, cached on disk."""
+    return _compile(function)
+
+
+def formula(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a kernel that is always inlined: a loop with a call left in it is not vectorised."""
+    return _compile(function, forceinline=True)
+
+
+def _compile(function: Callable[..., Any], **options: bool) -> Callable[..., Any]:
     previous = config.CACHE_DIR  # type: ignore[attr-defined]
     config.CACHE_DIR = str(CACHE)  # type: ignore[attr-defined]
     try:
-        return numba.njit(cache=True, error_model="numpy", fastmath=FASTMATH)(function)
+        options = {"cache": True, **options}
+        return numba.njit(error_model="numpy", fastmath=FASTMATH, **options)(function)
     finally:
         config.CACHE_DIR = previous  # type: ignore[attr-defined]

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.kernels.compiled import kernel
+from sim.kernels.compiled import formula, kernel
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.vectors import along, at, cross, dot, minus, push, spin, to_body
 
@@ -73,7 +73,7 @@ def wedges(buf, n):
         buf[B2 + i] = left * buf[T2 + i - 1] + right * buf[T2 + i]
 
 
-@kernel
+@formula
 def clip(low, high, at_0, at_1):
     """Return the part of [low, high] where the linear function from at_0 to at_1 is positive."""
     if at_0 < 0.0 and at_1 < 0.0:
@@ -85,7 +85,7 @@ def clip(low, high, at_0, at_1):
     return low, high
 
 
-@kernel
+@formula
 def near_line(low, high, w0, w1, u, reach):
     """Return the part of [low, high] where the point w0 + s (w1 - w0) is within reach of line u."""
     inverse = 1.0 / (dot(u, u) + 1e-300)
@@ -107,7 +107,7 @@ def near_line(low, high, w0, w1, u, reach):
     return max(low, (-middle - root) / square), min(high, (root - middle) / square)
 
 
-@kernel
+@formula
 def press(p0, p1, q0, q1, low, high, reach, line):
     """Integrate the contact of segment p over [low, high] with segment q.
 
@@ -138,7 +138,7 @@ def press(p0, p1, q0, q1, low, high, reach, line):
     return force, first_s, first_t, total, sum_s, sum_t
 
 
-@kernel
+@formula
 def contact_interval(buf, a, b, reach):
     """Return the interval of s on element a that element b owns and that may touch it."""
     p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
@@ -169,7 +169,7 @@ def contact_forces(buf, n, dt, contact, friction):
                 contact.slip[k, 0] = contact.slip[k, 1] = contact.slip[k, 2] = 0.0
 
 
-@kernel
+@formula
 def touch(buf, a, b, low, high, reach, dt, contact, friction, k):
     """Add the forces of one pair to its four nodes."""
     p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)

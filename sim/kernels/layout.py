@@ -11,7 +11,7 @@ rows a multiple of 4096 bytes apart share the same cache sets.
 """
 
 CAPACITY = 131072
-PITCH = CAPACITY + 72
+PITCH = CAPACITY + 136
 
 _NODES = "X0 X1 X2 V0 V1 V2 F0 F1 F2 MASS INV_MASS"
 _ELEMENTS = "Q00 Q01 Q02 Q10 Q11 Q12 Q20 Q21 Q22 W0 W1 W2 C0 C1 C2"

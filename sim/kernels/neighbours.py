@@ -56,7 +56,7 @@ def bucket(cell, mask):
 def may_touch(buf, a, b, skin):
     """Tell whether elements a and b come within reach plus skin of each other.
 
-    No point of a is farther than a quarter of its length from one of three samples, so the smallest
+    No point of a is farther than an eighth of its length from one of five samples, so the smallest
     sampled distance minus that is a lower bound of the true one.
     """
     p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
@@ -64,11 +64,11 @@ def may_touch(buf, a, b, skin):
     dp, u = minus(p1, p0), minus(q1, q0)
     inverse = 1.0 / (dot(u, u) + 1e-300)
     nearest = 1e300
-    for k in range(3):
-        w = minus(along(p0, 0.5 * k, dp), q0)
+    for k in range(5):
+        w = minus(along(p0, 0.25 * k, dp), q0)
         gap = along(w, -min(max(dot(w, u) * inverse, 0.0), 1.0), u)
         nearest = min(nearest, dot(gap, gap))
-    bound = math.sqrt(nearest) - 0.25 * math.sqrt(dot(dp, dp))
+    bound = math.sqrt(nearest) - 0.125 * math.sqrt(dot(dp, dp))
     return bound < buf[RADIUS + a] + buf[RADIUS + b] + skin
 
 

@@ -11,7 +11,7 @@ so that the undamped rod is Hamiltonian at any strain (see docs/sim.md for the d
 
 import math
 
-from sim.kernels.compiled import kernel
+from sim.kernels.compiled import formula, kernel
 from sim.kernels.layout import *  # noqa: F403  (row names, nothing else)
 from sim.kernels.vectors import at, dot
 
@@ -72,7 +72,7 @@ def stretch_and_shear(buf, n, viscous):
         buf[E2 + i] = (s0 * n1 - s1 * n0) * length
 
 
-@kernel
+@formula
 def strain_rate(buf, i, s0, s1, s2):
     """Return d(sigma)/dt = Q dv/l0 - w x (Q e) in the body frame [1/s]."""
     inv = buf[INV_LENGTH + i]
@@ -142,7 +142,7 @@ def bend_sharply(buf, n):
             buf[R0 + i] = (1.0 - 0.5 * theta / math.tan(0.5 * theta)) / (theta * theta)
 
 
-@kernel
+@formula
 def relative_rotation(buf, i):
     """Return sin(theta) times the axis of Q_i Q_{i-1}^T, and z = sin^2(theta/2)."""
     b = i - 1
@@ -159,7 +159,7 @@ def relative_rotation(buf, i):
     return 0.5 * (r12 - r21), 0.5 * (r20 - r02), 0.5 * (r01 - r10), z
 
 
-@kernel
+@formula
 def theta_over_sine(z):
     """Return theta/sin(theta) for z = sin^2(theta/2) < SERIES_LIMIT, to 1e-16."""
     total = 1.0 + z * (24.0 / 25.0)
@@ -176,14 +176,14 @@ def theta_over_sine(z):
     return 1.0 + z * (2.0 / 3.0) * total
 
 
-@kernel
+@formula
 def second_order(u, ratio):
     """Return (1 - theta/2 cot(theta/2))/theta^2 from u = 1 - cos(theta), ratio = theta/sin."""
     u = max(u, 1e-12)
     return (1.0 - 0.5 * ratio * (2.0 - u)) / (ratio * ratio * u * (2.0 - u))
 
 
-@kernel
+@formula
 def couple(buf, i, p0, p1, p2, gamma, viscous):
     """Put the couples -dU/dpsi of rotation vector p at vertex i on its two elements.
 
@@ -208,7 +208,7 @@ def couple(buf, i, p0, p1, p2, gamma, viscous):
     buf[L2 + i], buf[R2 + i] = 0.5 * u2 + s2, 0.5 * u2 - s2
 
 
-@kernel
+@formula
 def turning_rate(buf, i, p0, p1, p2, gamma):
     """Return dp/dt of the rotation vector at vertex i [rad/s], with d and s the difference and the
     sum of the two elements' angular velocities: d + p x s/2 + gamma p x (p x d).

@@ -1,16 +1,16 @@
 """Three-vectors as tuples: the compiler keeps them in registers."""
 
-from sim.kernels.compiled import kernel
+from sim.kernels.compiled import formula
 from sim.kernels.layout import Q00, Q01, Q02, Q10, Q11, Q12, Q20, Q21, Q22, W0, W1, W2
 
 
-@kernel
+@formula
 def at(buf, row0, row1, row2, i):
     """Return the vector stored at index i of three rows."""
     return buf[row0 + i], buf[row1 + i], buf[row2 + i]
 
 
-@kernel
+@formula
 def push(buf, row0, row1, row2, i, a, factor):
     """Add factor * a to the vector stored at index i of three rows."""
     buf[row0 + i] += factor * a[0]
@@ -18,31 +18,31 @@ def push(buf, row0, row1, row2, i, a, factor):
     buf[row2 + i] += factor * a[2]
 
 
-@kernel
+@formula
 def minus(a, b):
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@kernel
+@formula
 def along(a, s, b):
     """Return a + s b."""
     return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
 
 
-@kernel
+@formula
 def dot(a, b):
     """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
+@formula
 def cross(a, b):
     """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@kernel
+@formula
 def to_body(buf, i, a):
     """Return Q_i a, the components of a lab vector in the body frame of element i."""
     return (
@@ -52,7 +52,7 @@ def to_body(buf, i, a):
     )
 
 
-@kernel
+@formula
 def spin(buf, i):
     """Return the angular velocity of element i in the lab frame, Q_i^T w_i."""
     w = at(buf, W0, W1, W2, i)
