@@ -1,6 +1,6 @@
 """How far the stated time-step bound is from where position Verlet really becomes unstable.
 
-    python benchmarks/sim_stability.py
+python benchmarks/sim_stability.py
 """
 
 import itertools

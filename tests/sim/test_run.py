@@ -10,6 +10,7 @@ import pytest
 
 import sim
 from sim.kernels.compiled import source_digest
+from sim.scene import Damping, Friction
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +70,20 @@ def test_the_same_scene_gives_the_same_run_to_the_last_bit():
     scene = scene.model_copy(update={"duration": 0.01})
     first, second = sim.simulate(scene), sim.simulate(scene)
     np.testing.assert_array_equal(first.data["position"], second.data["position"])
+
+
+def test_an_effect_with_zero_coefficient_is_as_good_as_absent():
+    absent = sim.double_helix(pi1=24, turns=2, q=1, elements_per_pitch=8)
+    absent = absent.model_copy(update={"duration": 0.02, "damping": None})
+    zero = absent.model_copy(
+        update={
+            "gravity": (0.0, 0.0, 0.0),
+            "friction": Friction(forward=0.0, backward=0.0),
+            "damping": Damping(drag=0.0, material=0.0),
+        }
+    )
+    there, here = sim.simulate(zero), sim.simulate(absent)
+    np.testing.assert_allclose(there.data["position"], here.data["position"], atol=1e-13)
 
 
 def test_a_run_that_blows_up_stops_says_where_and_keeps_what_was_good(tmp_path):
