@@ -1,0 +1,211 @@
+"""A measured double helix against the truth of drawn photographs."""
+
+import numpy as np
+import pytest
+
+from imaging import Photo, Segmentation, Unmeasurable
+from imaging.helix import helix
+from imaging.helix_accuracy import beside_truth, total_link_error, window_errors
+from imaging.helix_synthetic import draw_helix
+
+R = 6.0
+PITCH = 18 * R
+
+
+def drawn(turns=6, sign=1, **options):
+    options.setdefault("rng", 1)
+    return draw_helix(R, lambda s: sign / PITCH, turns * PITCH, **options)
+
+
+def exact(picture):
+    """Wrap the drawn coverage as a segmentation without error."""
+    labels = np.where(picture.membership.sum(axis=0) > 0.5, picture.membership.argmax(axis=0) + 1, 0)
+    colours = np.zeros((len(picture.membership), 3))
+    return Segmentation(labels.astype(np.int32), picture.membership, colours, 2 * R)
+
+
+def rms(values):
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+@pytest.fixture(scope="module")
+def photographed():
+    picture = drawn()
+    return picture, helix(Photo(picture.pixels))
+
+
+def test_link_density_of_a_photograph(photographed):
+    picture, found = photographed
+    table = beside_truth(found, picture)
+    assert rms(window_errors(table, PITCH)) < 1.2e-3
+    assert abs(total_link_error(table, found)) < 0.05
+
+
+def test_radius_at_contact_is_not_biased_by_the_hidden_strand(photographed):
+    _, found = photographed
+    assert found.R == pytest.approx(R, rel=0.02)
+    assert found.unit == "px"
+
+
+def test_link_density_table_is_resolved_but_at_the_ends(photographed):
+    _, found = photographed
+    link = found.link_density
+    assert list(link.columns) == ["s", "link", "sd"]
+    known = link["link"].notna()
+    assert known.mean() > 0.9
+    assert (link["sd"][known] > 0).all()
+    assert found.phase["s"].is_monotonic_increasing
+
+
+@pytest.mark.parametrize(("sign", "name"), [(1, "right"), (-1, "left")])
+@pytest.mark.parametrize("phase", [0.0, 2.0])
+def test_handedness(sign, name, phase):
+    found = helix(exact(drawn(turns=4, sign=sign, phase=phase)))
+    assert found.handedness == name
+    assert np.sign(found.total_link) == sign
+
+
+def test_a_mirror_turns_the_hand_and_nothing_else():
+    segmentation = exact(drawn(turns=4))
+    mirrored = Segmentation(
+        segmentation.labels[:, ::-1], np.ascontiguousarray(segmentation.membership[:, :, ::-1]),
+        segmentation.colours, segmentation.width,
+    )  # fmt: skip
+    one, other = helix(segmentation), helix(mirrored)
+    assert other.total_link == pytest.approx(-one.total_link, abs=0.01)
+    assert other.pitch == pytest.approx(one.pitch, rel=1e-3)
+
+
+def test_upside_down_keeps_the_hand_and_the_link():
+    segmentation = exact(drawn(turns=4))
+    turned = Segmentation(
+        segmentation.labels[::-1, ::-1],
+        np.ascontiguousarray(segmentation.membership[:, ::-1, ::-1]),
+        segmentation.colours, segmentation.width,
+    )  # fmt: skip
+    one, other = helix(segmentation), helix(turned, root="bottom")
+    assert other.total_link == pytest.approx(one.total_link, abs=0.01)
+
+
+def test_a_step_is_located():
+    place = 6 * PITCH
+    picture = draw_helix(
+        R, lambda s: np.where(s < place, 1 / PITCH, 0.75 / PITCH), 12 * PITCH, rng=1
+    )
+    table = beside_truth(helix(Photo(picture.pixels)), picture)
+    found = table["true_s"][table["link"] > 0.875 / PITCH].max()
+    assert abs(found - place) < 0.5 * PITCH
+    near = (table["true_s"] - place).abs() < PITCH
+    assert rms((table["link"] / table["true_link"] - 1)[near]) < 0.025
+
+
+@pytest.mark.parametrize("angle", [10, -10])
+def test_a_helix_that_leans_out_of_the_picture_is_corrected_and_flagged(angle):
+    picture = drawn(turns=8, tilt=np.radians(angle))
+    found = helix(exact(picture))
+    assert np.degrees(found.lean) == pytest.approx(angle, abs=1.0)
+    assert found.pitch == pytest.approx(PITCH, rel=5e-3)
+    assert any("leans" in said for said in found.warnings)
+
+
+@pytest.mark.parametrize("bend", [6, 3])
+def test_a_kink_keeps_the_link(bend):
+    def heading(s):
+        return np.pi / 2 * np.clip((s - 4 * PITCH) / (np.pi / 2 * bend * R) + 0.5, 0, 1)
+
+    picture = drawn(turns=8, heading=heading)
+    found = helix(exact(picture))
+    error = total_link_error(beside_truth(found, picture), found)
+    assert abs(error / found.total_link) < 0.02
+
+
+def test_a_wider_helix_shows_gaps_between_the_strands():
+    picture = drawn(turns=6, helix_radius=1.8 * R)
+    found = helix(exact(picture))
+    assert found.R == pytest.approx(1.8 * R, rel=0.02)
+    assert rms(window_errors(beside_truth(found, picture), PITCH)) < 2e-3
+
+
+def test_link_is_counted_across_a_tine_that_is_given():
+    segmentation = exact(drawn(turns=8))
+    whole = helix(segmentation)
+    x, y = whole.axis[len(whole.axis) // 2]
+    hidden = segmentation.membership.copy()
+    hidden[:, int(y - 2 * R) : int(y + 2 * R)] = 0
+    labels = np.where(hidden.sum(axis=0) > 0.5, segmentation.labels, 0)
+    found = helix(
+        Segmentation(labels, hidden, segmentation.colours, segmentation.width), tine=(x, y, 2 * R)
+    )
+    assert found.total_link == pytest.approx(whole.total_link, abs=0.02)
+    row = int(np.abs(found.phase["s"] - found.tine).argmin())
+    assert np.isnan(found.link_density["link"].iloc[row])
+
+
+def test_scale_turns_pixels_into_metres():
+    segmentation = exact(drawn(turns=4))
+    pixels, metres = helix(segmentation), helix(segmentation, scale=20_000.0)
+    assert metres.unit == "m"
+    assert metres.pitch == pytest.approx(pixels.pitch / 20_000)
+    assert metres.R == pytest.approx(pixels.R / 20_000)
+    assert metres.total_link == pixels.total_link
+    assert metres.link_density["link"].median() == pytest.approx(1 / metres.pitch, rel=1e-2)
+
+
+def test_mean_link_between_two_places_is_that_of_the_table(photographed):
+    _, found = photographed
+    s = found.link_density["s"][found.link_density["link"].notna()]
+    value, sd = found.mean_link(s.iloc[0], s.iloc[-1])
+    assert value == pytest.approx(1 / found.pitch, rel=1e-6)
+    assert 0 < sd < 0.01 * value
+
+
+def test_one_strand_is_refused():
+    picture = drawn(turns=3)
+    alone = exact(picture)
+    alone = Segmentation(
+        (picture.membership[0] > 0.5).astype(np.int32), picture.membership[:1], alone.colours[:1], 2 * R
+    )
+    with pytest.raises(Unmeasurable, match="two strands of different colours"):
+        helix(alone)
+
+
+def test_straight_neighbours_are_refused():
+    picture = draw_helix(R, lambda s: 0.0, 6 * PITCH, phase=0.0, rng=1)
+    with pytest.raises(Unmeasurable, match="swap sides 0 times"):
+        helix(exact(picture))
+
+
+def test_strands_too_thin_are_refused():
+    picture = draw_helix(1.2, lambda s: 1 / 40, 300, rng=1)
+    with pytest.raises(Unmeasurable, match="px wide"):
+        helix(exact(picture))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"colours": (0, 7)}, "has 2, numbered from 0"),
+        ({"colours": (1, 1)}, "two different"),
+        ({"root": "left hand"}, "must be one of"),
+        ({"scale": -1.0}, "must be positive"),
+    ],
+)
+def test_wrong_options_are_named(options, message):
+    with pytest.raises(Unmeasurable, match=message):
+        helix(exact(drawn(turns=3)), **options)
+
+
+@pytest.mark.slow
+def test_intervals_cover_the_truth():
+    rng = np.random.default_rng(5)
+    inside = []
+    for seed in range(60):
+        depth, wave = rng.uniform(0, 0.2), rng.uniform(3, 8) * PITCH
+        picture = draw_helix(
+            R, lambda s, d=depth, w=wave: (1 + d * np.sin(2 * np.pi * s / w)) / PITCH, 6 * PITCH,
+            phase=rng.uniform(0, 6), blur=rng.uniform(0.7, 1.5), rng=seed,
+        )  # fmt: skip
+        table = beside_truth(helix(Photo(picture.pixels)), picture)
+        z = (table["link"] - table["true_link"]) / table["sd"]
+        inside.append(np.mean(np.abs(z) < 1.96))
+    assert 0.90 < np.mean(inside) < 0.985

@@ -1,0 +1,162 @@
+"""The pieces of the helix measurement: drawing, axis, half-turns, visible edges, the fit."""
+
+import numpy as np
+import pytest
+
+from imaging.helix_axis import axis_through, find_axis
+from imaging.helix_count import HalfTurns, Look, first_phase, half_turns
+from imaging.helix_edges import CONTACT, GAP, HIDDEN, OUTER, visible
+from imaging.helix_fit import _correlation
+from imaging.helix_model import Layout, Model, basis, feet, knots, outlines, positions
+from imaging.helix_pair import twisted_pair
+from imaging.helix_synthetic import bent_axis, draw_helix, tilt_strands, twist_strands
+from imaging.segment import Segmentation
+
+
+def gauss_link(a, b):
+    """Link of two open curves by the double sum of Gauss's integrand."""
+    da, db = np.diff(a, axis=0), np.diff(b, axis=0)
+    ma, mb = 0.5 * (a[1:] + a[:-1]), 0.5 * (b[1:] + b[:-1])
+    r = ma[:, None] - mb[None]
+    triple = np.einsum("ijk,ijk->ij", r, np.cross(da[:, None], db[None]))
+    return float(np.sum(triple / np.linalg.norm(r, axis=2) ** 3) / (4 * np.pi))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_drawn_strands_link_as_stated_in_space(sign):
+    s = np.linspace(0, 100, 1500)
+    phi = sign * 2 * np.pi * s / 10
+    # x right, y down, z to the viewer is left-handed: mirror z for the right-handed formula.
+    a, b = (p * [1, 1, -1] for p in twist_strands(bent_axis(s, 0 * s), phi, 1.0))
+    assert gauss_link(a, b) == pytest.approx(sign * 10, abs=0.5)
+
+
+def test_a_bent_axis_has_unit_speed():
+    s = np.linspace(0, 50, 5000)
+    axis = bent_axis(s, np.sin(s / 10))
+    steps = np.linalg.norm(np.diff(axis, axis=0), axis=1)
+    np.testing.assert_allclose(steps, np.diff(s), rtol=1e-5)
+
+
+def test_tilting_shortens_by_the_cosine():
+    points = np.column_stack([np.zeros(3), np.arange(3.0), np.zeros(3)])
+    tilted = tilt_strands(points, np.radians(60))
+    np.testing.assert_allclose(tilted[:, 1], 0.5 * points[:, 1])
+    assert tilted[2, 2] < 0  # the tip moves away from the viewer
+
+
+def test_drawn_coverage_is_the_area_of_the_tubes():
+    drawn = draw_helix(5.0, lambda s: 0.0, 200.0, phase=0.0, blur=0.8, rng=0)
+    area = 2 * (10.0 * 200.0 + np.pi * 25.0)  # straight, side by side, round ends
+    assert drawn.membership.sum() == pytest.approx(area, rel=2e-3)
+
+
+def test_axis_is_the_midline_whatever_the_phase():
+    drawn = draw_helix(6.0, lambda s: 1 / 108, 500.0, rng=0)
+    axis = find_axis(drawn.membership.sum(axis=0), 6.0)
+    inner = axis.points[40:-40]
+    middle = np.interp(inner[:, 1], drawn.truth["y"], drawn.truth["x"])
+    assert np.abs(inner[:, 0] - middle).max() < 0.25
+
+
+def test_axis_runs_from_the_root():
+    drawn = draw_helix(6.0, lambda s: 1 / 108, 300.0, rng=0)
+    pair = drawn.membership.sum(axis=0)
+    assert find_axis(pair, 6.0).points[0, 1] < find_axis(pair, 6.0).points[-1, 1]
+    down = find_axis(pair, 6.0, root="bottom").points
+    assert down[0, 1] > down[-1, 1]
+
+
+def seen_of(phi):
+    """Look at a touching pair of unit strands at phases phi, one section per unit of arclength."""
+    d = 20 * np.cos(phi)
+    return Look(np.arange(float(len(phi))), d, 15 * np.sin(phi))
+
+
+@pytest.mark.parametrize("turns", [4.0, -4.0, 2.3])
+def test_half_turns_are_counted_with_their_sense(turns):
+    phi = 0.4 + 2 * np.pi * turns * np.linspace(0, 1, 800)
+    found = half_turns(seen_of(phi), 10.0)
+    truth = np.interp(found.s, np.arange(800.0), phi)
+    offset = np.round((found.phase - truth)[0] / (2 * np.pi)) * 2 * np.pi
+    np.testing.assert_allclose(found.phase - offset, truth, atol=0.05)
+    assert set(found.sense) == {np.sign(turns)}
+
+
+def test_a_twist_that_is_taken_back_has_no_net_link():
+    s = np.linspace(0, 1, 1000)
+    phi = 0.3 + 2 * np.pi * np.where(s < 0.5, 4 * s, 4 - 4 * s)
+    found = half_turns(seen_of(phi), 10.0)
+    assert found.sense.sum() == 0
+    assert len(found.sense) == 8
+
+
+def test_first_phase_continues_beyond_the_crossings():
+    turns = HalfTurns(np.array([10.0, 20.0]), np.array([0.0, np.pi]), np.ones(2), np.ones(2))
+    np.testing.assert_allclose(first_phase(turns, np.array([0.0, 15.0, 30.0])) / np.pi, [-1, 0.5, 2])
+
+
+def across(d_a, d_b, r=8.0):
+    return np.array([[[d_a - r], [d_a + r]], [[d_b - r], [d_b + r]]])
+
+
+def test_edges_of_a_strand_fully_in_front():
+    border = visible(across(0.0, 0.0), np.array([True]))
+    assert (border == HIDDEN).all()  # outlines coincide: whose edge it is cannot be told
+    border = visible(across(-4.0, 4.0), np.array([True]))
+    assert border[0, :, 0].tolist() == [OUTER, CONTACT]
+    assert border[1, :, 0].tolist() == [HIDDEN, OUTER]
+
+
+def test_edges_of_strands_apart():
+    border = visible(across(-20.0, 20.0), np.array([True]))
+    assert border[0, :, 0].tolist() == [OUTER, GAP]
+    assert border[1, :, 0].tolist() == [GAP, OUTER]
+
+
+def straight_model(length=400.0, r=6.0, pitch=100.0, lean=0.0):
+    axis = axis_through(np.column_stack([np.full(50, 30.0), np.linspace(10, 10 + length, 50)]))
+    layout = Layout(knots(0, length, 10.0), knots(0, length, 20.0), knots(0, length, 50.0))
+    beta = np.zeros(layout.size)
+    beta[layout.blocks["phi"]] = 2 * np.pi * layout.phi[2:-2] / pitch
+    beta[layout.blocks["R"]] = r
+    beta[layout.blocks["radii"]] = r
+    beta[layout.blocks["lean"]] = lean, 0.0
+    return Model(axis, layout, beta, np.array([30.0, 200.0]))
+
+
+def test_splines_reproduce_a_line_and_its_slope():
+    model = straight_model()
+    s = np.linspace(0, 400, 77)
+    np.testing.assert_allclose(model.at(s).phi, 2 * np.pi * s / 100, atol=1e-9)
+    np.testing.assert_allclose(model.at(s).dphi, 2 * np.pi / 100, atol=1e-12)
+    assert basis(model.layout.phi, s).sum(axis=1) == pytest.approx(1.0)
+
+
+def test_outlines_lie_one_radius_from_the_centreline():
+    model = straight_model()
+    edges = outlines(model)
+    rows = np.arange(60, 340)
+    for k in (0, 1):
+        for j in (0, 1):
+            points = np.column_stack([30.0 + edges[k, j, rows], 10.0 + rows])
+            strand = np.full(len(rows), k)
+            foot = feet(model, strand, rows.astype(float), points)
+            gap = np.linalg.norm(points - positions(model, strand, foot), axis=1)
+            np.testing.assert_allclose(gap, 6.0, atol=0.02)
+
+
+def test_correlated_noise_counts_for_fewer_points():
+    rng = np.random.default_rng(0)
+    white = rng.normal(size=20_000)
+    smooth = np.convolve(white, np.ones(5) / 5, mode="valid")
+    everyone = np.ones(len(white), bool)
+    assert _correlation(white, everyone) == pytest.approx(1.0, abs=0.1)
+    assert _correlation(smooth, everyone[:-4]) == pytest.approx(5.0, rel=0.15)
+
+
+def test_the_pair_is_the_two_colours_that_touch_longest():
+    labels = np.zeros((60, 60), np.int32)
+    labels[:, 10:15], labels[:, 15:20], labels[20:26, 20:60] = 1, 3, 2
+    membership = np.stack([(labels == k).astype(np.float32) for k in (1, 2, 3)])
+    assert twisted_pair(Segmentation(labels, membership, np.zeros((3, 3)), 5.0)) == (0, 2)
