@@ -52,6 +52,7 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     mark, thousands = _simple_marks(source, start, delimiter)
     if mark is None or not _last_line_is_whole(source, header, delimiter):
         return None
+    source.release()
     table = _pandas(source, header, delimiter, (mark, thousands), start)
     if table is None or not isinstance(table.index, pd.RangeIndex):
         return None  # pandas makes an index of the first column where a row is too wide

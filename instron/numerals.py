@@ -5,7 +5,7 @@ of, and grouping is then checked cell by cell: a wrong guess here scales a force
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -150,7 +150,7 @@ def _refuse_unproven_groups(
 
 
 CHUNK = 1 << 18  # fits a core's cache
-QUOTE, COMMA, POINT, ZERO, NINE = b'",.09'
+QUOTE, COMMA, POINT, ZERO, NINE, NEWLINE = b'",.09\n'
 SIGNS = list(b"+-")
 
 
@@ -160,6 +160,10 @@ def grouping(data: Any, start: int) -> str:
     Regular means one group of exactly three digits with a decimal point after it, as in
     ``"1,424.96"``; what else there may be is for the exact way to judge.
 
+    Strategy: where every cell is quoted, separators stand between two quotes and every other
+    comma is inside. If those others are not all regular, some cells are bare, and quotes must be
+    counted line by line, which takes several times as long.
+
     Parameters
     ----------
     data
@@ -167,38 +171,43 @@ def grouping(data: Any, start: int) -> str:
     start
         Where its body starts.
     """
-    found = "none"
-    while start < len(data):
-        stop = data.find(b"\n", min(start + CHUNK, len(data) - 1)) + 1 or len(data)
-        text = np.frombuffer(b"\0" * 8 + data[start:stop] + b"\0" * 8, dtype=np.uint8)
-        commas = _commas_inside(text)
-        if not _regular(text, commas):
-            return "unclear"
-        found = "regular" if len(commas) else found
+    text = np.frombuffer(data, dtype=np.uint8)
+    for inside in (_commas_not_between_quotes, _commas_after_odd_quotes):
+        found = "none"
+        for places in inside(text, start):
+            if not _regular(text, places):
+                break
+            found = "regular" if len(places) else found
+        else:
+            return found
+    return "unclear"
+
+
+def _commas_not_between_quotes(text: np.ndarray, start: int) -> Iterator[np.ndarray]:
+    for first in range(start, len(text), CHUNK):
+        piece = text[first : first + CHUNK + 2]
+        quote = piece == QUOTE
+        other = (piece[1:-1] == COMMA) & ~(quote[:-2] & quote[2:])
+        yield np.flatnonzero(other) + first + 1
+
+
+def _commas_after_odd_quotes(text: np.ndarray, start: int) -> Iterator[np.ndarray]:
+    while start < len(text):
+        stop = min(start + CHUNK, len(text))
+        ends = np.flatnonzero(text[stop - 1 : stop + CHUNK] == NEWLINE)
+        stop = stop + int(ends[0]) if len(ends) else len(text)
+        piece = text[start:stop]
+        odd = np.cumsum(piece == QUOTE, dtype=np.uint8) & 1
+        yield np.flatnonzero((piece == COMMA) & odd.astype(bool)) + start
         start = stop
-    return found
-
-
-def _commas_inside(text: np.ndarray) -> np.ndarray:
-    """Return the places of commas inside quotes in whole lines.
-
-    Where every cell is quoted, separators stand between quotes and the others between digits;
-    only otherwise are quotes counted, which is slower.
-    """
-    comma, quote = text == COMMA, text == QUOTE
-    single = comma.copy()
-    single[1:-1] &= ~(quote[:-2] & quote[2:])
-    places = np.flatnonzero(single)
-    left, right = text[places - 1], text[places + 1]
-    digits = (left >= ZERO) & (left <= NINE) & (right >= ZERO) & (right <= NINE)
-    if digits.all() and _regular(text, places):
-        return places
-    inside = np.cumsum(quote, dtype=np.uint8) & 1
-    return np.flatnonzero(comma & inside.astype(bool))
 
 
 def _regular(text: np.ndarray, comma: np.ndarray) -> bool:
     """Check the neighbours of the bytes at ``comma``: one to three digits before, three after."""
+    if not len(comma):
+        return True
+    if comma[0] < 4 or comma[-1] + 4 >= len(text):
+        return False
 
     def digit(offset: int) -> np.ndarray:
         return (text[comma + offset] >= ZERO) & (text[comma + offset] <= NINE)

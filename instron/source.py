@@ -37,6 +37,11 @@ class Source:
             piece = piece[: piece.rfind(b"\n") + 1] or piece
         return split_lines(piece.decode(self.encoding, errors="replace"))
 
+    def release(self) -> None:
+        """Give mapped pages back, so that a large file is not in memory twice while parsed."""
+        if isinstance(self.data, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
+            self.data.madvise(mmap.MADV_DONTNEED)
+
     def ends_in_newline(self) -> bool:
         """Tell whether the last line is closed."""
         return self.data[-1:] == b"\n"
