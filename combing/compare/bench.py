@@ -12,7 +12,7 @@ import pandas as pd
 from tqdm import tqdm
 
 import sim
-from combing.compare.comparison import Comparison, joined
+from combing.compare.comparison import Comparison, all_errors, joined
 from combing.compare.curl import compare_curl, measure_curl
 from combing.compare.force import compare_force, measure_force
 from combing.compare.link import compare_link, measure_link
@@ -34,9 +34,7 @@ class Result:
     @property
     def errors(self) -> pd.DataFrame:
         """Every pipeline's error against truth, one row a quantity; empty without truth."""
-        tables = [part.errors.assign(kind=kind) for kind, part in self.comparisons.items()]
-        tables = [table for table in tables if len(table)]
-        return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
+        return all_errors(self.comparisons)
 
 
 def compare(study: Study, out: Path, *, jobs: int | None = None, quiet: bool = False) -> Result:

@@ -1,6 +1,6 @@
 """What one comparison hands to the figures and the report."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import pandas as pd
@@ -51,6 +51,13 @@ def joined(parts: Iterable[Comparison]) -> Comparison:
         notes=[note for part in parts for note in part.notes],
         synthetic=any(part.synthetic for part in parts),
     )
+
+
+def all_errors(comparisons: Mapping[str, Comparison]) -> pd.DataFrame:
+    """Put the errors of all kinds of comparison under each other, with a column kind."""
+    tables = [found.errors.assign(kind=kind) for kind, found in comparisons.items()]
+    tables = [table for table in tables if len(table)]
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
 
 
 def says_synthetic(facts: dict) -> bool:

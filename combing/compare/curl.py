@@ -164,11 +164,9 @@ def _errors(chosen: CurlSet, photographed: list[pd.DataFrame]) -> pd.DataFrame:
         label = found.attrs["sample"]
         true = truth[truth["photo"] == label].groupby("N")["count"].sum()
         measured = found.groupby("N")["count"].sum()
-        rows += [
-            error_row(
-                chosen.name, label, f"count, N = {n}", float(measured.get(n, 0)), float(k), ""
-            )
-            for n, k in true.items()
-            if k > 0 or measured.get(n, 0) > 0
-        ]
+        for n in range(2, max(true.index.max(), measured.index.max()) + 1):
+            counted, there = float(measured.get(n, 0)), float(true.get(n, 0))
+            if counted or there:
+                row = error_row(chosen.name, label, f"count, N = {n}", counted, there, "")
+                rows.append(row)
     return pd.DataFrame(rows)

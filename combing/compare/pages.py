@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import sim
 from combing import __version__
-from combing.compare.comparison import Comparison
+from combing.compare.comparison import Comparison, all_errors
 from combing.figures.errors import draw_errors
 from combing.figures.force import draw_force
 from combing.figures.interactions import draw_interactions
@@ -57,7 +57,7 @@ def write_pages(
 ) -> None:
     """Write ``report.html``, ``summary.json``, and PNG, SVG and CSV of every figure."""
     sections = [_section(study, kind, found, folder) for kind, found in comparisons.items()]
-    errors = _errors(comparisons)
+    errors = all_errors(comparisons)
     if len(errors):
         sections.append(_error_section(errors, folder))
     sections.append(_origin(study, comparisons, runs))
@@ -94,11 +94,6 @@ def _drawers(study: Study) -> dict[str, Callable[[Comparison], Figure]]:
             one.plotted, n_sec=study.n_sec, synthetic=one.synthetic
         ),
     }
-
-
-def _errors(comparisons: Mapping[str, Comparison]) -> pd.DataFrame:
-    tables = [found.errors.assign(kind=kind) for kind, found in comparisons.items()]
-    return pd.concat([table for table in tables if len(table)] or [pd.DataFrame()])
 
 
 def _error_section(errors: pd.DataFrame, folder: Path) -> Section:

@@ -221,6 +221,19 @@ def test_equal_curls_have_equal_densities(run):
     assert "3 strands found where there are 4" in result.notes[0]
 
 
+def test_interactions_that_are_not_there_count_as_errors(tmp_path):
+    found = count_interactions(braid(3, 5), 1.0, 20)
+    found.attrs |= {"sample": "a", "synthetic": True}
+    counted = found.groupby("N")["count"].sum()
+    assert counted[3] > 0
+    truth = pd.DataFrame({"photo": ["a"], "section": [1], "N": [2], "count": [100]})
+    write_table(tmp_path / "truth.csv", truth)
+    facts = {"name": "c", "strands": None, "simulations": None, "truth": tmp_path / "truth.csv"}
+    errors = compare_curl(CurlSet.model_construct(**facts), [found], {}, 20).errors
+    by_size = errors.set_index("quantity")["error"].to_dict()
+    assert by_size == {"count, N = 2": counted[2] - 100, "count, N = 3": counted[3]}
+
+
 def test_densities_are_per_metre_whatever_the_unit_of_the_strands():
     metres = count_interactions(braid(3, 5), 1.0, 20)
     pixels = count_interactions([line / 5e-5 for line in braid(3, 5)], 5e-5, 20)
