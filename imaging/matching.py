@@ -1,5 +1,7 @@
 """Join the pieces of a colour into strands: one global matching of their ends."""
 
+from itertools import product
+
 import networkx as nx  # type: ignore[import-untyped]
 import numpy as np
 
@@ -112,16 +114,43 @@ def _open_length(path: np.ndarray, covered: np.ndarray) -> int:
 def _without_rings(
     joins: list[tuple[int, int]], graph: nx.Graph, ends: list[End]
 ) -> list[tuple[int, int]]:
-    """Open closed loops of branches at their weakest join: a strand has two ends."""
+    """Thread closed loops of branches into another chain, or open them: a strand has two ends."""
+    joins = list(joins)
+    while ring := _ring(joins, ends):
+        swap = _best_swap(ring, [pair for pair in joins if pair not in ring], graph)
+        if swap is None:
+            joins.remove(min(ring, key=lambda pair: graph.edges[pair]["weight"]))
+        else:
+            removed, added = swap
+            joins = [pair for pair in joins if pair not in removed] + added
+    return joins
+
+
+def _ring(joins: list[tuple[int, int]], ends: list[End]) -> list[tuple[int, int]]:
+    """Return the joins of one closed loop of branches, if there is any."""
     chain = nx.MultiGraph()
     for a, b in joins:
-        chain.add_edge(ends[a].branch, ends[b].branch, ends=(a, b), weight=graph[a][b]["weight"])
-    weakest = set()
+        chain.add_edge(ends[a].branch, ends[b].branch, pair=(a, b))
     for part in nx.connected_components(chain):
-        edges = list(chain.subgraph(part).edges(data=True))
+        edges = list(chain.subgraph(part).edges(data="pair"))
         if len(edges) == len(part):
-            weakest.add(min(edges, key=lambda e: e[2]["weight"])[2]["ends"])
-    return [pair for pair in joins if pair not in weakest]
+            return [pair for _, _, pair in edges]
+    return []
+
+
+def _best_swap(
+    ring: list[tuple[int, int]], others: list[tuple[int, int]], graph: nx.Graph
+) -> tuple[list[tuple[int, int]], list[tuple[int, int]]] | None:
+    """Exchange partners between a ring's join and another's, at the least loss."""
+    best, least = None, np.inf
+    for (a, b), (c, d) in product(ring, others):
+        old = graph.edges[a, b]["weight"] + graph.edges[c, d]["weight"]
+        for first, second in (((a, c), (b, d)), ((a, d), (b, c))):
+            if graph.has_edge(*first) and graph.has_edge(*second):
+                loss = old - graph.edges[first]["weight"] - graph.edges[second]["weight"]
+                if loss < least:
+                    best, least = ([(a, b), (c, d)], [first, second]), loss
+    return best
 
 
 def chains(count: int, joins: list[tuple[int, int]]) -> list[list[tuple[int, bool]]]:

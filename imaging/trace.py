@@ -18,7 +18,7 @@ from imaging.segment import Segmentation
 
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
 BOTH = 3.0  # strand widths on which both edges must be seen; else it is the rim of another
-SHARE = 0.15  # of the longest strand of the same colour; a shorter piece is a remnant
+SHARE = 0.3  # of the longest strand of the same colour; a shorter piece is a remnant
 
 
 @dataclass(frozen=True)
