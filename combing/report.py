@@ -2,6 +2,7 @@
 
 import base64
 import math
+import struct
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -67,7 +68,7 @@ def write_report(
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("combing"), autoescape=True, trim_blocks=True
     )
-    environment.filters.update(inline=_inline, shown=shown)
+    environment.filters.update(inline=_inline, width=_width, shown=shown)
     page = environment.get_template("report.html").render(
         title=title, sections=sections, about=about, footer=footer, synthetic=synthetic
     )
@@ -84,6 +85,12 @@ def shown(value: Any, digits: int = 3) -> str:
         places = digits - 1 - math.floor(math.log10(abs(value))) if value else 0
         return f"{value:.{max(places, 0)}f}".replace("-", "−")
     return f"{value:.{digits - 1}e}".replace("-", "−")
+
+
+def _width(png: Path) -> int:
+    """Width on the page [px]: a little over the size in print, half the PNG's own pixels."""
+    (pixels,) = struct.unpack(">I", png.read_bytes()[16:20])
+    return pixels * 58 // 100
 
 
 def _inline(png: Path) -> str:
