@@ -15,10 +15,11 @@ from combing.figures.errors import draw_errors
 from combing.figures.force import draw_force
 from combing.figures.interactions import draw_interactions
 from combing.figures.link import draw_link
+from combing.figures.photographs import draw_photographs
 from combing.figures.style import save
 from combing.report import Section, write_report
 from combing.runs import model_version
-from combing.study import Study
+from combing.study import Study, tine_positions
 from combing.tables import write_table
 
 TEXT = {
@@ -60,8 +61,10 @@ def write_pages(
     errors = all_errors(comparisons)
     if len(errors):
         sections.append(_error_section(errors, folder))
-    sections.append(_origin(study, comparisons, runs))
     synthetic = any(found.synthetic for found in comparisons.values())
+    if study.link or study.curl:
+        sections.append(_photographs(study, folder, synthetic))
+    sections.append(_origin(study, runs))
     write_report(
         folder / "report.html",
         study.title,
@@ -118,9 +121,20 @@ def _error_tables(errors: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     ]
 
 
-def _origin(
-    study: Study, comparisons: Mapping[str, Comparison], runs: Mapping[Path, sim.Run]
-) -> Section:
+def _photographs(study: Study, folder: Path, synthetic: bool) -> Section:
+    photos = {}
+    for link in study.link:
+        if link.before is not None:
+            photos["before the tine"] = link.before
+        places = zip(link.photos, tine_positions(link), strict=True)
+        photos |= {f"{path.stem}\n$d$ = {d * 1e3:.0f} mm": path for path, d in places}
+    photos |= {path.stem: path for curl in study.curl for path in curl.photos}
+    figure = draw_photographs(photos, synthetic=synthetic)
+    png, _ = save(figure, folder, "photographs", synthetic=synthetic)
+    return Section("Photographs", (), png, "What was measured, scaled down.")
+
+
+def _origin(study: Study, runs: Mapping[Path, sim.Run]) -> Section:
     rows = [
         {
             "scene": path.name,

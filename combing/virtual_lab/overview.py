@@ -2,11 +2,10 @@
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
-from PIL import Image
 
 import instron
+from combing.figures.photographs import smaller
 from combing.figures.style import WIDTH, mark_synthetic, paper_style
 
 SHORTER = 700  # px; height of the photographs in the figure
@@ -17,7 +16,7 @@ def draw_overview(out: Path) -> None:
     helices = sorted((out / "photos").glob("synthetic_helix_[1-9].jpg"))
     curls = sorted((out / "photos").glob("synthetic_curl_*.jpg"))
     photos = [out / "photos" / "synthetic_helix_before.jpg", helices[len(helices) // 2], curls[0]]
-    pictures = [_smaller(path) for path in photos]
+    pictures = [smaller(path, SHORTER) for path in photos]
     widths = [max(picture.shape[1] / SHORTER, 0.25) for picture in pictures]
     with paper_style():
         figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
@@ -34,11 +33,3 @@ def draw_overview(out: Path) -> None:
         partial = out / ".synthetic_overview.png"
         figure.savefig(partial, metadata={"Description": "synthetic data (virtual lab)"})
         partial.replace(out / "synthetic_overview.png")
-
-
-def _smaller(path: Path) -> np.ndarray:
-    with Image.open(path) as photo:
-        share = SHORTER / photo.height
-        return np.asarray(
-            photo.resize((max(int(photo.width * share), 1), SHORTER), Image.Resampling.BOX)
-        )

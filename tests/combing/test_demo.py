@@ -49,6 +49,7 @@ def test_demo_leaves_figures_tables_and_nothing_else(demo):
     names = {path.name for path in demo[1].iterdir()}
     figures = {"force", "link", "interactions", "errors"}
     expected = {f"{one}.{ending}" for one in figures for ending in ("png", "svg", "csv")}
+    expected |= {"photographs.png", "photographs.svg"}
     assert names == expected | {"report.html", "summary.json", "runs"}
 
 
