@@ -6,6 +6,7 @@ are imported here, once, after their modules.
 
 from imaging.crossings import crossings
 from imaging.errors import Unmeasurable
+from imaging.helix import helix
 from imaging.interactions import densities, events, interactions
 from imaging.photo import Photo, read_photo
 from imaging.segment import Segmentation, segment
@@ -19,6 +20,7 @@ __all__ = [
     "crossings",
     "densities",
     "events",
+    "helix",
     "interactions",
     "read_photo",
     "segment",

@@ -7,7 +7,8 @@ import numpy as np
 from scipy import ndimage
 from scipy.linalg import solveh_banded
 
-STEP = 0.25  # px between samples across a strand
+SAMPLES = 24  # across a strand's width
+BEYOND = 0.75  # px beyond an edge where the background must show, or else the edge is hidden
 SEARCH = 0.8  # strand widths; how far a rough centreline may be from what is seen of its strand
 SHORTEST_WAVE = 4.0  # strand widths; shorter wiggles are taken for noise
 # Calibrated on rendered curls (shading, highlight, blur, uneven light):
@@ -56,15 +57,17 @@ def edges(
     low, high : (n,) arrays
         NaN where the edge is hidden or not found within 1.5 widths.
     """
-    reach = int(np.ceil(1.5 * width / STEP))
-    across = STEP * np.arange(-reach, reach + 1)
+    step = max(width / SAMPLES, 0.25)
+    reach = int(np.ceil(1.5 * width / step))
+    across = step * np.arange(-reach, reach + 1)
     at = line[:, None] + across[None, :, None] * normals(line)[:, None]
     profile = _sample(own, at)
     other = _sample(strand, at) - profile
-    middle = _nearest_inside(profile, reach, SEARCH * width)
-    high = _edge(profile, other, middle, +1)
-    low = _edge(profile, other, middle, -1)
-    return (low - reach) * STEP, (high - reach) * STEP
+    middle = _nearest_inside(profile, reach, SEARCH * width / step)
+    beyond = int(np.ceil(BEYOND / step))
+    high = _edge(profile, other, middle, beyond)
+    low = _edge(profile, other, middle, -beyond)
+    return (low - reach) * step, (high - reach) * step
 
 
 def _sample(field: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -83,12 +86,16 @@ def _nearest_inside(profile: np.ndarray, reach: int, far: float) -> np.ndarray:
     distance = np.abs(np.arange(profile.shape[1]) - reach)
     cost = np.where(profile >= 0.5, distance, 10**6)
     nearest = cost.argmin(axis=1)
-    found = cost[np.arange(len(profile)), nearest] * STEP <= far
+    found = cost[np.arange(len(profile)), nearest] <= far
     return np.where(found, nearest, -1)
 
 
-def _edge(profile: np.ndarray, other: np.ndarray, middle: np.ndarray, way: int) -> np.ndarray:
-    """Index (fractional) where the profile falls through 0.5 going one way from the middle."""
+def _edge(profile: np.ndarray, other: np.ndarray, middle: np.ndarray, ahead: int) -> np.ndarray:
+    """Index (fractional) where the profile falls through 0.5 going the way of `ahead`.
+
+    NaN where another strand is seen `ahead` samples beyond.
+    """
+    way = int(np.sign(ahead))
     rows = np.arange(len(profile))
     index = np.arange(profile.shape[1])
     beyond = (index - middle[:, None]) * way > 0
@@ -99,7 +106,7 @@ def _edge(profile: np.ndarray, other: np.ndarray, middle: np.ndarray, way: int) 
     first = np.where(good, first, 1).clip(1, profile.shape[1] - 2)
     inner, outer = profile[rows, first - way], profile[rows, first]
     fraction = np.divide(inner - 0.5, inner - outer, out=np.zeros_like(inner), where=inner > outer)
-    hidden = other[rows, (first + 3 * way).clip(0, profile.shape[1] - 1)] > 0.3
+    hidden = other[rows, (first + ahead).clip(0, profile.shape[1] - 1)] > 0.3
     return np.where(good & ~hidden, first - way + way * fraction, np.nan)
 
 
@@ -130,7 +137,7 @@ def refine(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) 
     """
     even = resample(line)
     smooth = _smoothed(even, np.ones(len(even)), width)
-    for _ in range(2):
+    for _ in range(2):  # again on the moved line, whose normals are better
         smooth = resample(smooth)
         low, high = edges(smooth, own, strand, width)
         local = _local_width(low, high, width)

@@ -83,7 +83,7 @@ def _modes(density: np.ndarray) -> np.ndarray:
     the pass by more than PROMINENCE of its height.
     """
     order = np.argsort(density, axis=None)[::-1]
-    order = order[density.ravel()[order] > 1e-3 * density.max()]  # never the rim
+    order = order[density.ravel()[order] > 3e-3 * density.max()]  # never the rim
     parent = [-1] * density.size
     value = density.ravel().tolist()
     steps = _neighbour_steps(density.shape).tolist()

@@ -85,7 +85,7 @@ def segment(photo: Photo) -> Segmentation:
 def background_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> np.ndarray:
     """Return the smooth background under a Lab picture, shape (h, w, 3)."""
     height, width = lab.shape[:2]
-    step = max(1, min(height, width) // 100)
+    step = max(1, min(height, width) // 72)
     small = cv2.resize(lab, (width // step, height // step), interpolation=cv2.INTER_AREA)
     weight = np.ones(small.shape[:2], np.float32)
     if ignore is not None:

@@ -90,7 +90,9 @@ def _strands_of(
 
 def _centred(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: float) -> np.ndarray:
     """Skeleton -> middle of the strand; a skeleton leans away from whatever hides a side."""
-    return refine(path, own, coverage, width).line if len(path) > 1.5 * width else path
+    if len(path) <= 1.5 * width:
+        return path
+    return refine(path, own, coverage, width).line
 
 
 def _connected(

@@ -47,7 +47,7 @@ class Options:
 @click.command()
 @click.argument("files", nargs=-1, required=True)
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True,
-              help="Folder for the results; holds a folder for each of several photos.")  # fmt: skip
+              help="Folder for the results; several photos get a folder each.")  # fmt: skip
 @click.option("--scale", help=f"Pixels to metres: {FORMS}. Without it, results are in pixels.")
 @click.option("--n-sec", type=click.IntRange(min=1), default=20, show_default=True,
               help="Sections of the curl's axis for N-body interactions.")  # fmt: skip

@@ -1,4 +1,4 @@
-"""Real photographs of coloured tubes with hand-made truth (Choi et al., IEEE RA-L 8, 4863, 2023)."""
+"""Real photographs of coloured tubes with truth (Choi et al., IEEE RA-L 8, 4863, 2023)."""
 
 from pathlib import Path
 
@@ -29,7 +29,9 @@ def overlaps(truth: np.ndarray, labels: np.ndarray) -> tuple[float, dict[int, in
     table = np.array(
         [
             [
-                2 * ((truth == i) & (labels == j)).sum() / ((truth == i).sum() + (labels == j).sum())
+                2
+                * ((truth == i) & (labels == j)).sum()
+                / ((truth == i).sum() + (labels == j).sum())
                 for j in range(1, labels.max() + 1)
             ]
             for i in range(1, truth.max() + 1)
@@ -84,7 +86,5 @@ def test_number_of_strands_in_all_photographs(group):
 
 def test_a_photograph_on_its_side_is_read_upright():
     """One of the thirty stands on its side in the file and says so in EXIF."""
-    shapes = {
-        read_photo(path).shape for path in sorted((FOLDER / "S1" / "images").glob("*.jpg"))
-    }
+    shapes = {read_photo(path).shape for path in sorted((FOLDER / "S1" / "images").glob("*.jpg"))}
     assert shapes == {(896, 672)}

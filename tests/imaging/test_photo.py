@@ -15,7 +15,7 @@ H, W = 20, 30
 
 @pytest.fixture
 def scene() -> np.ndarray:
-    """A picture without any symmetry: red left, green top, blue a corner."""
+    """Draw a picture without any symmetry: red left, green top, blue a corner."""
     pixels = np.zeros((H, W, 3), np.uint8)
     pixels[:, :10, 0] = 250
     pixels[:6, :, 1] = 200

@@ -77,7 +77,9 @@ def test_scale_is_read(text, kind, numbers):
     assert request.numbers == pytest.approx(numbers)
 
 
-@pytest.mark.parametrize("text", ["", "40", "40mm", "px/mm", "marker:mm", "1-2px/mm", "ruler:1,2=3mm"])
+@pytest.mark.parametrize(
+    "text", ["", "40", "40mm", "px/mm", "marker:mm", "1-2px/mm", "ruler:1,2=3mm"]
+)
 def test_other_scales_are_refused(text):
     with pytest.raises(Unmeasurable, match="write it as"):
         parse_scale(text)

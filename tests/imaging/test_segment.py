@@ -83,7 +83,7 @@ def test_membership_is_coverage_and_halves_at_the_edge():
 
 @pytest.mark.parametrize("radius", [2.5, 4, 7])
 def test_width_is_that_of_the_tubes_within_the_blur(radius):
-    """sRGB's curve moves the half-contrast edge by about a blur: in on white, out on black."""
+    """The curve of sRGB moves the half-contrast edge by about a blur: in on white, out on black."""
     on_white = segment(Photo(picture(BRIGHT, Look(noise=0), radius).pixels)).width
     black = Look(noise=0, background=(0.03, 0.03, 0.03))
     on_black = segment(Photo(picture(BRIGHT, black, radius).pixels)).width
