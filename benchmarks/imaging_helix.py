@@ -44,16 +44,20 @@ def report(what: str, asked: str, reached: str) -> None:
 def uniform_helices() -> None:
     for r, asked in ((4, 0.3), (8, 0.12), (12, 0.1)):
         drawn = uniform(r)
-        start = time.perf_counter()
+        start = time.process_time()
         found = helix(Photo(drawn.pixels))
-        seconds = time.perf_counter() - start
+        seconds = time.process_time() - start
         table = beside_truth(found, drawn)
         error = percent_rms(window_errors(table, PITCH * r))
         report(f"r = {r} px: lambda per one-pitch window, RMS", f"<= {asked} %", f"{error:.4f} %")
         report(f"r = {r} px: R", "within 2 %", f"{100 * (found.R / r - 1):+.2f} %")
         link = total_link_error(table, found)
         report(f"r = {r} px: total link over 20 turns", "<= 0.1 turn", f"{link:+.4f} turn")
-        report(f"r = {r} px: time, {drawn.pixels.shape[0]} px long, with segmenting", "", f"{seconds:.1f} s")
+        report(
+            f"r = {r} px: time, {drawn.pixels.shape[0]} px long, with segmenting",
+            "",
+            f"{seconds:.1f} s",
+        )
 
 
 def steps() -> None:
@@ -71,7 +75,11 @@ def steps() -> None:
             near = (table["true_s"] - 8 * pitch).abs() < pitch
             errors.append((table["link"] / table["true_link"] - 1)[near])
         report(f"r = {r} px: step P/r 18 -> 24 located", "<= 0.5 pitch", f"{max(places):.2f} pitch")
-        report(f"r = {r} px: lambda within a pitch of it, RMS", "<= 2.5 %", f"{percent_rms(np.concatenate(errors)):.2f} %")
+        report(
+            f"r = {r} px: lambda within a pitch of it, RMS",
+            "<= 2.5 %",
+            f"{percent_rms(np.concatenate(errors)):.2f} %",
+        )
 
 
 def hands() -> None:
@@ -92,7 +100,7 @@ def tilts() -> None:
             found = helix(Photo(drawn.pixels))
             errors.append(100 * abs(found.pitch / (PITCH * r) - 1))
             leans.append(np.degrees(found.lean) - angle)
-    report("tilt of +-10 degrees: pitch after correction, worst", "<= 0.5 %", f"{max(errors):.2f} %")
+    report("tilt of +-10 degrees: pitch corrected, worst", "<= 0.5 %", f"{max(errors):.2f} %")
     report("   the same uncorrected", "", f"{100 * (1 / np.cos(np.radians(10)) - 1):.2f} %")
     report("   tilt found, worst error", "", f"{max(leans, key=abs):+.2f} degrees")
 
@@ -163,7 +171,11 @@ def coverage(renders: int) -> None:
         inside.append(float(np.mean(np.abs(z) < 1.96)))
         links.append(total_link_error(table, found))
         hands_wrong += bool(np.sign(found.total_link) != np.sign(drawn.truth["link"].iloc[0]))
-    report(f"95 % intervals of lambda, {renders} varied renders", "90 - 98 %", f"{100 * np.mean(inside):.1f} %")
+    report(
+        f"95 % intervals of lambda, {renders} varied renders",
+        "90 - 98 %",
+        f"{100 * np.mean(inside):.1f} %",
+    )
     report("   total link off by more than 0.1 turn", "0", f"{int(np.sum(np.abs(links) > 0.1))}")
     report("   handedness wrong", "0", f"{hands_wrong}")
     report("   refused", "", f"{refused}")

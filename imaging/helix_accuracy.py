@@ -2,13 +2,12 @@
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from imaging.helix import HelixMeasurement
+from imaging.helix_measurement import HelixMeasurement
 from imaging.helix_synthetic import SyntheticHelix
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 
 
 def beside_truth(measured: HelixMeasurement, drawn: SyntheticHelix) -> pd.DataFrame:
@@ -17,7 +16,9 @@ def beside_truth(measured: HelixMeasurement, drawn: SyntheticHelix) -> pd.DataFr
     Both must be in pixels. Columns ``s, phi, link, sd`` as measured, ``true_s, true_phi,
     true_link``, and ``miss``, the distance between the two axes [px].
     """
-    table = measured.phase.assign(link=measured.link_density["link"], sd=measured.link_density["sd"])
+    table = measured.phase.assign(
+        link=measured.link_density["link"], sd=measured.link_density["sd"]
+    )
     table = table[table["resolved"]]
     s, distance = _foot(table[["x", "y"]].to_numpy(), drawn.truth)
     truth = {name: np.interp(s, drawn.truth["s"], drawn.truth[name]) for name in ("phi", "link")}

@@ -4,14 +4,13 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d, map_coordinates
 from skimage.graph import MCP_Geometric
 
 from imaging.errors import Unmeasurable
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 TOWARDS_ROOT = {"top": (0, -1), "bottom": (0, 1), "left": (-1, 0), "right": (1, 0)}
 
 
@@ -50,7 +49,7 @@ def axis_through(points: Array) -> Axis:
     return Axis(s, curve(s), tangents, np.column_stack([tangents[:, 1], -tangents[:, 0]]))
 
 
-def find_axis(pair: NDArray[np.float32], r: float, *, root: str = "top") -> Axis:
+def find_axis(pair: np.ndarray, r: float, *, root: str = "top") -> Axis:
     """Midline of a pair of strands, through gaps as long as a tine is wide.
 
     Strategy: close the union of both strands until a tine and the hole it spreads are filled,
@@ -104,14 +103,14 @@ def smoothed(axis: Axis, sigma: float) -> Axis:
     return axis_through(_smoothed(axis.points, sigma))
 
 
-def sample(maps: NDArray[np.float32], axis: Axis, u: Array) -> Array:
+def sample(maps: np.ndarray, axis: Axis, u: Array) -> Array:
     """Sample maps (k, h, w) at offsets ``u`` from the axis -> (k, n, m); 0 outside the picture."""
     xy = axis.to_picture(u)
     at = [xy[..., 1], xy[..., 0]]
     return np.stack([map_coordinates(m, at, order=1, mode="constant") for m in maps])
 
 
-def _closed(mask: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
+def _closed(mask: np.ndarray, radius: float) -> np.ndarray:
     """Morphological closing with a disc, by two distance transforms."""
     pad = int(radius) + 2
     wide = np.pad(mask, pad)
@@ -119,20 +118,20 @@ def _closed(mask: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
     return (_depth(grown) >= radius)[pad:-pad, pad:-pad] | mask
 
 
-def _depth(mask: NDArray[np.bool_]) -> NDArray[np.float32]:
+def _depth(mask: np.ndarray) -> np.ndarray:
     """Distance to the outside, the picture's border counting as outside."""
     padded = np.pad(mask, 1).astype(np.uint8)
     return cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1]
 
 
-def _largest(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _largest(mask: np.ndarray) -> np.ndarray:
     count, blobs, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
     if count < 2:
         raise Unmeasurable("no pair of strands in the picture")
     return blobs == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
 
 
-def _central_path(body: NDArray[np.bool_]) -> Array:
+def _central_path(body: np.ndarray) -> Array:
     """Path (n, 2) between the two ends of a body that keeps to its middle."""
     depth = _depth(body)
     cost = np.where(body, 1.0 + (depth.max() / np.maximum(depth, 0.5)) ** 2, -1.0)
@@ -168,7 +167,7 @@ def _straight_ends(points: Array, reach: int) -> Array:
     return np.vstack([head, inner, tail])
 
 
-def _centred(axis: Axis, pair: NDArray[np.float32], width: float, smoothing: float) -> Axis:
+def _centred(axis: Axis, pair: np.ndarray, width: float, smoothing: float) -> Axis:
     """Move an axis to the middle of the outer edges, then smooth it."""
     u = np.arange(-width, width + 0.5, 0.5)
     inside = sample(pair[None], axis, u)[0] > 0.5

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from imaging.errors import Unmeasurable
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 UNSURE = 0.1  # of a strand's width; less tells nothing of who is in front
 
 
@@ -70,9 +69,9 @@ def look(s: Array, u: Array, profiles: Array, r: float) -> Look:
     r : float
         Strand radius [px].
     """
-    inside = profiles > 0.5
+    inside = np.asarray(profiles > 0.5)
     widths = inside.sum(axis=2) * (u[1] - u[0])
-    anyone = inside.any(axis=0)
+    anyone = np.any(inside, axis=0)
     first = u[np.argmax(anyone, axis=1)]
     last = u[len(u) - 1 - np.argmax(anyone[:, ::-1], axis=1)]
     with np.errstate(invalid="ignore"):
@@ -140,7 +139,7 @@ def first_phase(turns: HalfTurns, s: Array) -> Array:
     return phase
 
 
-def spread_apart(seen: Look, radius: float, reach: float) -> NDArray[np.bool_]:
+def spread_apart(seen: Look, radius: float, reach: float) -> np.ndarray:
     """Sections where the strands lie further apart than a helix of ``radius`` allows, or are lost.
 
     Three fifths more than the typical radius are allowed, for a helix that widens and for sections
@@ -152,7 +151,7 @@ def spread_apart(seen: Look, radius: float, reach: float) -> NDArray[np.bool_]:
 
 
 def _sides(separation: Array, least: float) -> tuple[Array, list[tuple[int, int]]]:
-    """Runs in which strand a keeps to one side: the side (+1, -1), first and last section."""
+    """Return runs of strand a on one side: the side (+1, -1), first and last section."""
     side: list[float] = []
     runs: list[tuple[int, int]] = []
     for i in np.flatnonzero(np.abs(np.nan_to_num(separation)) > least):
@@ -171,7 +170,7 @@ def _zero(seen: Look, a: int, b: int) -> float:
     return float(seen.s[a] + (seen.s[b] - seen.s[a]) * d[0] / d.sum())
 
 
-def _near(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+def _near(mask: np.ndarray, reach: int) -> np.ndarray:
     """Grow a one-dimensional mask by ``reach`` on both sides."""
     padded = np.concatenate([np.zeros(reach, bool), mask, np.zeros(reach, bool)])
     total = np.cumsum(np.concatenate([[0], padded]))

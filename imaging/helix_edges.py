@@ -8,13 +8,12 @@ quarter of the radius); these edges are not.
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
 from imaging.helix_axis import Axis
 from imaging.helix_model import Model, outlines
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 SLIVER = 2.5  # px; a narrower strip of one strand is blurred into its neighbours
 RIM = 1.0  # px; how far the rear strand must stick out for its outer edge to be the pair's
 HIDDEN, OUTER, GAP, CONTACT = range(4)
@@ -43,18 +42,18 @@ class Edges:
 
     s: Array
     points: Array
-    strand: NDArray[np.int64]
-    side: NDArray[np.int64]
-    border: NDArray[np.int64]
+    strand: np.ndarray
+    side: np.ndarray
+    border: np.ndarray
     steepness: Array
 
     @property
-    def kind(self) -> NDArray[np.int64]:
+    def kind(self) -> np.ndarray:
         """Which of the four effective radii applies: strand, + 2 if in contact."""
         return self.strand + 2 * (self.border == CONTACT)
 
     @property
-    def track(self) -> NDArray[np.int64]:
+    def track(self) -> np.ndarray:
         """Which of the four edge curves the point belongs to."""
         return 2 * self.strand + (self.side > 0)
 
@@ -64,9 +63,7 @@ class Edges:
         return Edges(*(getattr(self, field.name)[order] for field in fields(self)))
 
 
-def find_edges(
-    membership: NDArray[np.float32], model: Model, valid: NDArray[np.bool_], gate: float
-) -> Edges:
+def find_edges(membership: np.ndarray, model: Model, valid: np.ndarray, gate: float) -> Edges:
     """Locate the edges that a model says are visible, each within ``gate`` [px] of it.
 
     Parameters
@@ -96,8 +93,8 @@ def find_edges(
     return every.sorted()
 
 
-def visible(across: Array, a_in_front: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """What lies beyond each edge: HIDDEN, or the background (OUTER, GAP), or a strand (CONTACT).
+def visible(across: Array, a_in_front: np.ndarray) -> np.ndarray:
+    """Tell what lies beyond each edge: background (OUTER, GAP), a strand (CONTACT), or HIDDEN.
 
     Parameters
     ----------
@@ -125,10 +122,10 @@ def visible(across: Array, a_in_front: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 
 def _search(
-    coverage: NDArray[np.float32],
+    coverage: np.ndarray,
     axis: Axis,
     expected: Array,
-    wanted: NDArray[np.bool_],
+    wanted: np.ndarray,
     which: tuple[int, int, int],
     gate: float,
 ) -> tuple[Array, ...]:

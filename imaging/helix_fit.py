@@ -11,14 +11,13 @@ residuals' variance times their correlation length along the edge.
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import csr_matrix, diags, hstack
 
 from imaging.helix_edges import Edges
 from imaging.helix_model import Model, basis, feet, positions
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 TUKEY = 4.685
 STEPPED = ("phi", "mid", "R")  # may change abruptly: at a step, a kink, a tine
 TAIL = 1.0  # degrees of freedom of those changes
@@ -106,9 +105,9 @@ class Fit:
 def fit(
     model: Model,
     edges: Edges,
-    held: dict[str, NDArray[np.bool_]],
+    held: dict[str, np.ndarray],
     prior: "Prior | None" = None,
-    rounds: int = 8,
+    rounds: int = 6,
 ) -> Fit:
     """Fit a model to edges.
 
@@ -187,7 +186,7 @@ def _noise(residual: Array, edges: Edges) -> tuple[float, float, Array]:
     return noise, float(np.mean(lengths)), precision
 
 
-def _correlation(residual: Array, good: NDArray[np.bool_]) -> float:
+def _correlation(residual: Array, good: np.ndarray) -> float:
     """1 + 2 sum of the autocorrelations of a series until they vanish; 1 for white noise."""
     x = residual[good]
     n = len(x)
@@ -201,7 +200,7 @@ def _correlation(residual: Array, good: NDArray[np.bool_]) -> float:
     return float(1 + 2 * rho[1:end].sum())
 
 
-def _differences(model: Model, name: str, held: NDArray[np.bool_]) -> Array:
+def _differences(model: Model, name: str, held: np.ndarray) -> Array:
     """Differences D (m, size) of one block of unknowns, those not ``held`` left out."""
     size = model.layout.blocks[name].stop - model.layout.blocks[name].start
     return np.diff(np.eye(size), n=PENALISED[name], axis=0)[held]

@@ -14,13 +14,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_array, diags_array
 
 from imaging.helix_axis import Axis
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 GRID = 0.5  # px; the centrelines are tabulated this densely
 
 
@@ -37,7 +36,7 @@ class Values:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where each group of unknowns sits in the vector: knots of phi, m and R, then tau and radii."""
+    """Where the unknowns sit in their vector: splines of phi, m and R, then tau and radii."""
 
     phi: Array
     mid: Array
@@ -119,16 +118,15 @@ def knots(start: float, end: float, spacing: float) -> Array:
     return start + h * np.arange(-3, count + 4)
 
 
-def basis(knot: Array, s: Array, derivative: int = 0) -> csr_matrix:
+def basis(knot: Array, s: Array, derivative: int = 0) -> csr_array:
     """Cubic B-spline design (n, len(knot) - 4) or its first derivative."""
     inside = np.clip(s, knot[3], knot[-4])
     if derivative == 0:
         return BSpline.design_matrix(inside, knot, 3)
     lower = BSpline.design_matrix(inside, knot[1:-1], 2)
     h = knot[1] - knot[0]
-    first = lower.shape[1]
-    difference = csr_matrix(np.diff(np.eye(first + 1), axis=0) / h)
-    return lower @ difference
+    size = lower.shape[1]
+    return lower @ diags_array([-1 / h, 1 / h], offsets=[0, 1], shape=(size, size + 1))
 
 
 def outlines(model: Model) -> Array:
@@ -147,7 +145,7 @@ def outlines(model: Model) -> Array:
     return across
 
 
-def feet(model: Model, strand: NDArray[np.int64], s: Array, points: Array) -> Array:
+def feet(model: Model, strand: np.ndarray, s: Array, points: Array) -> Array:
     """Arclengths of the centreline points nearest to picture points, starting from ``s``."""
     table = model.table
     ds = table.s[1] - table.s[0]
@@ -158,7 +156,7 @@ def feet(model: Model, strand: NDArray[np.int64], s: Array, points: Array) -> Ar
     return s
 
 
-def positions(model: Model, strand: NDArray[np.int64], s: Array) -> Array:
+def positions(model: Model, strand: np.ndarray, s: Array) -> Array:
     """Centreline points (n, 2) of the strands named, at arclengths ``s``."""
     return _on_curve(model.table, strand, s, model.table.s[1] - model.table.s[0])[0]
 
@@ -190,9 +188,7 @@ def offsets(axis: Axis, s: Array, points: Array) -> Array:
     return np.interp(axis.s, np.maximum.accumulate(s), u)
 
 
-def _on_curve(
-    table: Table, strand: NDArray[np.int64], s: Array, ds: float
-) -> tuple[Array, Array]:
+def _on_curve(table: Table, strand: np.ndarray, s: Array, ds: float) -> tuple[Array, Array]:
     """Points and derivatives d/ds on the tabulated strands, linear between entries."""
     place = np.clip((s - table.s[0]) / ds, 0, len(table.s) - 1.000001)
     i = place.astype(int)

@@ -4,13 +4,12 @@ from itertools import combinations
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from imaging.errors import Unmeasurable
 from imaging.photo import Photo
 from imaging.segment import Segmentation
 
-Mask = NDArray[np.bool_]
+Mask = np.ndarray
 TOUCH = 3  # px; strands whose masks come this close touch
 EDGE = 3.0  # px; how far a segmentation's borders may be off
 PLATEAU = 2.0  # px; further inside than this a strand covers the whole pixel
@@ -44,15 +43,17 @@ def twisted_pair(
         raise Unmeasurable(
             f"{count} strand colour found; a double helix needs two strands of different colours"
         )
-    masks = [m > 0.5 for m in segmentation.membership]
-    touch = {pair: _contact(masks[pair[0]], masks[pair[1]]) for pair in combinations(range(count), 2)}
+    masks = [np.asarray(m > 0.5) for m in segmentation.membership]
+    touch = {
+        pair: _contact(masks[pair[0]], masks[pair[1]]) for pair in combinations(range(count), 2)
+    }
     best = max(touch, key=lambda pair: touch[pair])
     if touch[best] == 0:
         raise Unmeasurable(f"{count} strand colours found, but no two of them touch: no helix")
     return best
 
 
-def rough_radius(masks: NDArray[np.bool_]) -> float:
+def rough_radius(masks: np.ndarray) -> float:
     """Radius [px] of the largest discs that fit typically along the strands' middles."""
     ridges = []
     for mask in masks:
@@ -65,7 +66,7 @@ def rough_radius(masks: NDArray[np.bool_]) -> float:
 
 def pair_membership(
     segmentation: Segmentation, pair: tuple[int, int], photo: Photo | None = None
-) -> NDArray[np.float32]:
+) -> np.ndarray:
     """Coverage (2, h, w) of the two strands, their edges read off the photograph.
 
     A segmentation knows what each region is; where its regions end it may be off by a pixel or two,
@@ -85,30 +86,15 @@ def pair_membership(
         return membership
     owned = np.stack([segmentation.labels == c + 1 for c in pair])
     r = rough_radius(owned)
-    window = _window(owned.any(axis=0), int(4 * r) + 4)
+    window = _window(np.any(owned, axis=0), int(4 * r) + 4)
     membership = np.zeros_like(membership)
-    rgb, labels = photo.rgb()[window], segmentation.labels[window]
-    owned = _with_specks(rgb, labels, owned[:, *window], r)
-    membership[:, *window] = _unmixed(rgb**2.2, owned, labels == 0, max(0.5 * r, 1.5))
+    membership[:, *window] = _unmixed(
+        photo.rgb()[window] ** 2.2,
+        owned[:, *window],
+        segmentation.labels[window] == 0,
+        max(0.5 * r, 1.5),
+    )
     return membership
-
-
-def _with_specks(
-    rgb: NDArray[np.float32], labels: NDArray[np.int32], owned: NDArray[np.bool_], r: float
-) -> NDArray[np.bool_]:
-    """Give specks of other colours (highlights, mixed light) to the strand of the nearer hue."""
-    others = ((labels > 0) & ~owned.any(axis=0)).astype(np.uint8)
-    _, blobs = cv2.connectedComponents(others)
-    depth = cv2.distanceTransform(others, cv2.DIST_L2, 5)
-    deepest = np.zeros(blobs.max() + 1)
-    np.maximum.at(deepest, blobs.ravel(), depth.ravel())
-    speck = (others > 0) & (deepest[blobs] < 0.6 * r)
-    lab = cv2.cvtColor(np.ascontiguousarray(rgb), cv2.COLOR_RGB2Lab)
-    # (a*, b*)/(L + 16) does not change when the light is scaled.
-    hue = lab / (lab[..., :1] + 16)
-    means = [np.median(hue[m], axis=0) if m.any() else np.zeros(3) for m in owned]
-    nearer = np.argmin([((hue - mean) ** 2).sum(axis=2) for mean in means], axis=0)
-    return np.stack([own | (speck & (nearer == k)) for k, own in enumerate(owned)])
 
 
 def _window(mask: Mask, margin: int) -> tuple[slice, slice]:
@@ -121,11 +107,9 @@ def _window(mask: Mask, margin: int) -> tuple[slice, slice]:
     return spans[0], spans[1]
 
 
-def _unmixed(
-    light: NDArray[np.float32], owned: NDArray[np.bool_], bare: Mask, sigma: float
-) -> NDArray[np.float32]:
+def _unmixed(light: np.ndarray, owned: np.ndarray, bare: Mask, sigma: float) -> np.ndarray:
     """Coverage (2, h, w) of both strands from their colours and the background's nearby."""
-    both = owned.any(axis=0)
+    both: Mask = np.any(owned, axis=0)
     a, b = (_local_colour(light, m, sigma) for m in owned)
     strand, ground = _local_colour(light, both, sigma), _local_colour(light, bare, sigma)
     coverage = np.where(both, 1.0, 0.0).astype(np.float32)
@@ -137,7 +121,7 @@ def _unmixed(
     return np.stack([coverage * share, coverage * (1 - share)])
 
 
-def _local_colour(light: NDArray[np.float32], mask: Mask, sigma: float) -> NDArray[np.float32]:
+def _local_colour(light: np.ndarray, mask: Mask, sigma: float) -> np.ndarray:
     """Mean colour of a region near each pixel, its own border left out."""
     core = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5) > PLATEAU
     weight = (core if core.any() else mask).astype(np.float32)
@@ -147,9 +131,7 @@ def _local_colour(light: NDArray[np.float32], mask: Mask, sigma: float) -> NDArr
     return colour / total[..., None]
 
 
-def _place(
-    light: NDArray[np.float32], zero: NDArray[np.float32], one: NDArray[np.float32]
-) -> NDArray[np.float32]:
+def _place(light: np.ndarray, zero: np.ndarray, one: np.ndarray) -> np.ndarray:
     """Place of each pixel between two colours, 0 to 1."""
     span = one - zero
     length = np.maximum((span**2).sum(axis=2), 1e-6)

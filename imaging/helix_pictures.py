@@ -3,18 +3,17 @@
 import cv2
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from imaging.helix import HelixMeasurement
+from imaging.helix_measurement import HelixMeasurement
 from imaging.helix_sequence import HelixSequence, kymograph
 from imaging.photo import Photo
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 AXIS, STRANDS = (255, 255, 255), ((255, 190, 0), (0, 230, 255))  # white; amber a, cyan b
 SHIFT = 4  # fractional bits of OpenCV's drawing coordinates
 
 
-def draw_helix_overlay(photo: Photo, measured: HelixMeasurement) -> NDArray[np.uint8]:
+def draw_helix_overlay(photo: Photo, measured: HelixMeasurement) -> np.ndarray:
     """Draw axis, outlines of both strands and crossings over a photograph, (h, w, 3) RGB.
 
     The outline of strand a is amber, of b cyan; a crossing carries the colour of the strand in
@@ -127,14 +126,12 @@ def _beside(strand: Array, distance: float) -> Array:
     return strand + distance * np.column_stack([along[:, 1], -along[:, 0]])
 
 
-def _to_canvas(points: Array, zoom: int) -> NDArray[np.int32]:
+def _to_canvas(points: Array, zoom: int) -> np.ndarray:
     """Picture points -> fixed-point canvas coordinates, whose pixels are 1/zoom as wide."""
     return np.round((zoom * (points + 0.5) - 0.5) * (1 << SHIFT)).astype(np.int32)
 
 
-def _line(
-    canvas: NDArray[np.uint8], points: Array, colour: tuple[int, int, int], zoom: int
-) -> None:
+def _line(canvas: np.ndarray, points: Array, colour: tuple[int, int, int], zoom: int) -> None:
     known = np.isfinite(points).all(axis=1)
     runs = np.flatnonzero(np.diff(np.r_[0, known.astype(int), 0])).reshape(-1, 2)
     for a, b in runs:
@@ -142,7 +139,7 @@ def _line(
 
 
 def _dot(
-    canvas: NDArray[np.uint8], point: Array, radius: float, colour: tuple[int, int, int], zoom: int
+    canvas: np.ndarray, point: Array, radius: float, colour: tuple[int, int, int], zoom: int
 ) -> None:
     x, y = (int(v) for v in _to_canvas(point[None], zoom)[0])
     cv2.circle(canvas, (x, y), int(radius * (1 << SHIFT)), colour, -1, cv2.LINE_AA, SHIFT)

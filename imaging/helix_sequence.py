@@ -1,4 +1,4 @@
-"""A series of photographs while a tine moves -> change of the link density, jump across the tine."""
+"""Photographs of a tine on its way -> change of the link density, jump across the tine."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from imaging.errors import Unmeasurable
-from imaging.helix import HelixMeasurement, helix
+from imaging.helix import helix
+from imaging.helix_measurement import HelixMeasurement
 from imaging.photo import Photo
 from imaging.segment import Segmentation
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 
 
 @dataclass(frozen=True)

@@ -5,18 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 RED, BLUE, GREY = (200, 40, 40), (40, 70, 190), (90, 92, 95)
 SUB = 4  # points per pixel side
 
 
 @dataclass(frozen=True)
 class Light:
-    """How a scene is lit: Lambert shading, a highlight, and brightness that drifts over the picture.
+    """How a scene is lit: Lambert shading, a highlight, brightness that drifts over the picture.
 
     ``direction`` points to the lamp (x right, y down, z to the viewer); ``uneven`` is the relative
     change of brightness from one corner of the picture to the opposite one.
@@ -47,8 +47,8 @@ class SyntheticHelix:
         Tube radius [px].
     """
 
-    pixels: NDArray[np.uint8]
-    membership: NDArray[np.float32]
+    pixels: np.ndarray
+    membership: np.ndarray
     strands: list[Array]
     truth: pd.DataFrame
     radius: float
@@ -169,10 +169,10 @@ def draw_tubes(
     light: Light,
     tine: tuple[float, float] | None = None,
     rng: np.random.Generator | int | None = None,
-) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+) -> tuple[np.ndarray, np.ndarray]:
     """Draw tubes of radius ``r`` about (n, 3) centrelines, nearest to the viewer on top.
 
-    Every pixel is the mean of SUB x SUB points. ``tine`` is (y, radius) of a horizontal bar in front.
+    Every pixel is the mean of SUB x SUB points. ``tine`` is (y, radius) of a bar in front.
     Brightness is mixed and blurred as light and encoded with gamma 2.2, as a camera does.
 
     Returns
@@ -187,7 +187,8 @@ def draw_tubes(
         top = np.where(top == len(strands), len(strands) + 1, top)
         y = _subpixels(shape)[1]
         bar = np.abs(y - tine[0]) < tine[1]
-        top, shade, gloss = np.where(bar, len(strands), top), np.where(bar, 0.8, shade), gloss * ~bar
+        top, shade = np.where(bar, len(strands), top), np.where(bar, 0.8, shade)
+        gloss = gloss * ~bar
     linear = (palette[top] / 255) ** 2.2 * shade[..., None] + gloss[..., None]
     covers = [top == k for k in range(len(palette) - 1)]
     picture = np.stack([_photograph(linear[..., c], blur) for c in range(3)], axis=-1)
@@ -228,7 +229,7 @@ def _subpixels(shape: tuple[int, int]) -> tuple[Array, Array]:
 
 def _visible(
     strands: Sequence[Array], r: float, shape: tuple[int, int], light: Light
-) -> tuple[NDArray[np.int64], Array, Array]:
+) -> tuple[np.ndarray, Array, Array]:
     """Which tube each point shows (the number of tubes = background), its shade and its gloss."""
     x, y = _subpixels(shape)
     top = np.full(x.shape, len(strands))
@@ -245,7 +246,7 @@ def _visible(
 
 def _tube_points(
     strand: Array, r: float, x: Array, y: Array
-) -> tuple[NDArray[np.int64], NDArray[np.int64], Array, Array]:
+) -> tuple[np.ndarray, np.ndarray, Array, Array]:
     """Points under a tube: rows, columns, offset (n, 2) from the centreline, surface height."""
     near = np.zeros(x.shape, dtype=bool)
     reach = int(np.ceil(SUB * (r + 1)))

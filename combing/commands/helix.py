@@ -4,6 +4,7 @@ import json
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,8 @@ from tqdm import tqdm
 
 import imaging
 from combing.errors import UserError, is_users_fault
-from imaging.helix import HelixMeasurement, helix
+from imaging.helix import helix
+from imaging.helix_measurement import HelixMeasurement
 from imaging.helix_pictures import (
     draw_helix_overlay,
     kymograph_figure,
@@ -59,16 +61,24 @@ class Options:
 
 @click.command()
 @click.argument("photos", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True,
-              help="Folder for the results; holds a folder for each of several photos.")  # fmt: skip
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, file_okay=False),
+    required=True,
+    help="Folder for the results; one folder inside for each of several photos.",
+)
 @click.option("--scale", help=f"Pixels to metres: {FORMS}. Without it, results are in pixels.")
 @click.option("--root", type=click.Choice(["top", "bottom", "left", "right"]), default="top",
               show_default=True, help="Side of the picture where the clamped end is.")  # fmt: skip
 @click.option("--colours", help="The two strands among the colours found, as I,J from 0.")
 @click.option("--tine", help="Where the tine crosses, as X,Y or X,Y,RADIUS [px].")
 @click.option("--positions", help="Tine positions x = d/D of the photos: a series, as X1,X2,...")
-@click.option("--before", type=click.Path(path_type=Path),
-              help="With --positions: photo before combing, for lambda_0; else the first one.")  # fmt: skip
+@click.option(
+    "--before",
+    type=click.Path(path_type=Path),
+    help="With --positions: photo before combing; else the first one is taken.",
+)
 @click.option("--roi", help="Look only inside x0,y0,x1,y1 [px].")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @click.option("--quiet", is_flag=True, help="No progress, no summary.")
@@ -155,7 +165,7 @@ def _measure_all(
             continue
         folder = output if len(photos) == 1 else output / name
         row = _row(path, found)
-        _put(folder, lambda into, p=photo, f=found, r=row: _fill(into, p, f, r))
+        _put(folder, partial(_fill, photo=photo, found=found, row=row))
         rows.append(row)
         measured.append(found)
     return rows, measured
@@ -172,13 +182,13 @@ def _folder_names(photos: tuple[Path, ...]) -> list[str]:
 def _measure(path: Path, options: Options) -> tuple[Photo, HelixMeasurement]:
     """Read and measure one photograph; the message of a failure names it."""
     photo = imaging.read_photo(path, roi=options.roi)
-    known = {"colours": options.colours, "root": options.root, "tine": options.tine}
+    ask = partial(helix, colours=options.colours, root=options.root, tine=options.tine)
     try:
         scale, photo = _scale(photo, options.scale)
-        found = helix(photo, scale=scale, **known)
+        found = ask(photo, scale=scale)
         if options.scale is not None and options.scale.kind == "filament":
             # The strands' fitted width is the known length.
-            found = helix(photo, scale=_from_width(found, options.scale.numbers[0]), **known)
+            found = ask(photo, scale=_from_width(found, options.scale.numbers[0]))
     except imaging.Unmeasurable as error:
         text = str(error)
         raise UserError(text if str(path) in text else f"{path}: {text}") from error
@@ -236,9 +246,9 @@ def _line(row: dict[str, Any]) -> str:
 def _put(folder: Path, fill: Callable[[Path], None]) -> None:
     """Write all files to a hidden folder, then move them into place."""
     folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".partial-") as partial:
-        fill(Path(partial))
-        for file in sorted(Path(partial).iterdir()):
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".partial-") as hidden:
+        fill(Path(hidden))
+        for file in sorted(Path(hidden).iterdir()):
             file.replace(folder / file.name)
 
 
@@ -257,7 +267,8 @@ def _fill_sequence(folder: Path, sequence: HelixSequence) -> None:
     _write_table(folder / "profiles.csv", sequence.profiles)
     _write_table(folder / "jumps.csv", sequence.jumps)
     x, s, change = kymograph(sequence)
-    table = pd.DataFrame({"s": s} | {f"x={v:.4g} #{i}": row for i, (v, row) in enumerate(zip(x, change, strict=True))})
+    names = [f"{number}: x={place:.4g}" for number, place in enumerate(x)]
+    table = pd.DataFrame({"s": s} | dict(zip(names, change, strict=True)))
     _write_table(folder / "kymograph.csv", table)
     _write_figure(folder / "change", sequence_figure(sequence))
     _write_figure(folder / "kymograph", kymograph_figure(sequence))

@@ -19,7 +19,9 @@ def drawn(turns=6, sign=1, **options):
 
 def exact(picture):
     """Wrap the drawn coverage as a segmentation without error."""
-    labels = np.where(picture.membership.sum(axis=0) > 0.5, picture.membership.argmax(axis=0) + 1, 0)
+    labels = np.where(
+        picture.membership.sum(axis=0) > 0.5, picture.membership.argmax(axis=0) + 1, 0
+    )
     colours = np.zeros((len(picture.membership), 3))
     return Segmentation(labels.astype(np.int32), picture.membership, colours, 2 * R)
 
@@ -43,7 +45,7 @@ def test_link_density_of_a_photograph(photographed):
 
 def test_radius_at_contact_is_not_biased_by_the_hidden_strand(photographed):
     _, found = photographed
-    assert found.R == pytest.approx(R, rel=0.02)
+    assert pytest.approx(R, rel=0.02) == found.R
     assert found.unit == "px"
 
 
@@ -88,9 +90,9 @@ def test_upside_down_keeps_the_hand_and_the_link():
 
 
 def test_a_step_is_located():
-    place = 6 * PITCH
+    place = 4 * PITCH
     picture = draw_helix(
-        R, lambda s: np.where(s < place, 1 / PITCH, 0.75 / PITCH), 12 * PITCH, rng=1
+        R, lambda s: np.where(s < place, 1 / PITCH, 0.75 / PITCH), 8 * PITCH, rng=1
     )
     table = beside_truth(helix(Photo(picture.pixels)), picture)
     found = table["true_s"][table["link"] > 0.875 / PITCH].max()
@@ -101,19 +103,18 @@ def test_a_step_is_located():
 
 @pytest.mark.parametrize("angle", [10, -10])
 def test_a_helix_that_leans_out_of_the_picture_is_corrected_and_flagged(angle):
-    picture = drawn(turns=8, tilt=np.radians(angle))
+    picture = drawn(turns=6, tilt=np.radians(angle))
     found = helix(exact(picture))
     assert np.degrees(found.lean) == pytest.approx(angle, abs=1.0)
     assert found.pitch == pytest.approx(PITCH, rel=5e-3)
     assert any("leans" in said for said in found.warnings)
 
 
-@pytest.mark.parametrize("bend", [6, 3])
-def test_a_kink_keeps_the_link(bend):
+def test_a_kink_keeps_the_link():
     def heading(s):
-        return np.pi / 2 * np.clip((s - 4 * PITCH) / (np.pi / 2 * bend * R) + 0.5, 0, 1)
+        return np.pi / 2 * np.clip((s - 3 * PITCH) / (np.pi / 2 * 4 * R) + 0.5, 0, 1)
 
-    picture = drawn(turns=8, heading=heading)
+    picture = drawn(turns=6, heading=heading)
     found = helix(exact(picture))
     error = total_link_error(beside_truth(found, picture), found)
     assert abs(error / found.total_link) < 0.02
@@ -122,12 +123,12 @@ def test_a_kink_keeps_the_link(bend):
 def test_a_wider_helix_shows_gaps_between_the_strands():
     picture = drawn(turns=6, helix_radius=1.8 * R)
     found = helix(exact(picture))
-    assert found.R == pytest.approx(1.8 * R, rel=0.02)
+    assert pytest.approx(1.8 * R, rel=0.02) == found.R
     assert rms(window_errors(beside_truth(found, picture), PITCH)) < 2e-3
 
 
 def test_link_is_counted_across_a_tine_that_is_given():
-    segmentation = exact(drawn(turns=8))
+    segmentation = exact(drawn(turns=6))
     whole = helix(segmentation)
     x, y = whole.axis[len(whole.axis) // 2]
     hidden = segmentation.membership.copy()
@@ -146,7 +147,7 @@ def test_scale_turns_pixels_into_metres():
     pixels, metres = helix(segmentation), helix(segmentation, scale=20_000.0)
     assert metres.unit == "m"
     assert metres.pitch == pytest.approx(pixels.pitch / 20_000)
-    assert metres.R == pytest.approx(pixels.R / 20_000)
+    assert pytest.approx(pixels.R / 20_000) == metres.R
     assert metres.total_link == pixels.total_link
     assert metres.link_density["link"].median() == pytest.approx(1 / metres.pitch, rel=1e-2)
 
@@ -163,7 +164,10 @@ def test_one_strand_is_refused():
     picture = drawn(turns=3)
     alone = exact(picture)
     alone = Segmentation(
-        (picture.membership[0] > 0.5).astype(np.int32), picture.membership[:1], alone.colours[:1], 2 * R
+        (picture.membership[0] > 0.5).astype(np.int32),
+        picture.membership[:1],
+        alone.colours[:1],
+        2 * R,
     )
     with pytest.raises(Unmeasurable, match="two strands of different colours"):
         helix(alone)

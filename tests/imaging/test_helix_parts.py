@@ -93,7 +93,9 @@ def test_a_twist_that_is_taken_back_has_no_net_link():
 
 def test_first_phase_continues_beyond_the_crossings():
     turns = HalfTurns(np.array([10.0, 20.0]), np.array([0.0, np.pi]), np.ones(2), np.ones(2))
-    np.testing.assert_allclose(first_phase(turns, np.array([0.0, 15.0, 30.0])) / np.pi, [-1, 0.5, 2])
+    np.testing.assert_allclose(
+        first_phase(turns, np.array([0.0, 15.0, 30.0])) / np.pi, [-1, 0.5, 2]
+    )
 
 
 def across(d_a, d_b, r=8.0):

@@ -1,0 +1,109 @@
+"""A tine that combs a double helix, photograph by photograph."""
+
+import numpy as np
+import pytest
+
+from imaging import Photo, Segmentation, Unmeasurable
+from imaging.helix import helix
+from imaging.helix_pictures import (
+    draw_helix_overlay,
+    kymograph_figure,
+    link_figure,
+    sequence_figure,
+)
+from imaging.helix_sequence import helix_sequence, kymograph, link_jump
+from imaging.helix_synthetic import draw_helix
+
+R = 6.0
+PITCH = 18 * R
+LENGTH = 9 * PITCH
+GREEN = (60, 140, 60)
+
+
+def combed(place, behind, ahead):
+    """Draw strands spread around a tine at arclength ``place``, less wound behind than ahead."""
+
+    def link(s):
+        wound = np.where(s < place, behind, ahead) / PITCH
+        return np.where(np.abs(s - place) < 0.4 * PITCH, 0.0, wound)
+
+    def radius(s):
+        return R * (1 + 2.2 * np.exp(-(((s - place) / (0.35 * PITCH)) ** 2)))
+
+    side_by_side = -2 * np.pi * behind * (place / PITCH - 0.4)
+    picture = draw_helix(
+        R, link, LENGTH, helix_radius=radius, phase=side_by_side, tine=(place, 2 * R),
+        colours=((200, 40, 40), (40, 70, 190), GREEN), rng=4,
+    )  # fmt: skip
+    return exact(picture)
+
+
+def exact(picture):
+    labels = np.where(
+        picture.membership.sum(axis=0) > 0.5, picture.membership.argmax(axis=0) + 1, 0
+    )
+    colours = np.zeros((len(picture.membership), 3))
+    return Segmentation(labels.astype(np.int32), picture.membership, colours, 2 * R)
+
+
+@pytest.fixture(scope="module")
+def sequence():
+    rest = exact(draw_helix(R, lambda s: 1 / PITCH, LENGTH, rng=5))
+    frames = [combed(0.4 * LENGTH, 0.8, 1.1), combed(0.6 * LENGTH, 0.7, 1.3)]
+    return helix_sequence(frames, [0.4, 0.6], before=rest)
+
+
+def test_the_tine_is_found(sequence):
+    np.testing.assert_allclose(sequence.jumps["tine"], [0.4 * LENGTH, 0.6 * LENGTH], atol=1.5 * R)
+
+
+def test_the_jump_across_the_tine(sequence):
+    np.testing.assert_allclose(sequence.jumps["behind"] * PITCH, [0.8, 0.7], rtol=0.02)
+    np.testing.assert_allclose(sequence.jumps["ahead"] * PITCH, [1.1, 1.3], rtol=0.02)
+    np.testing.assert_allclose(sequence.jumps["jump"], [0.3, 0.6], atol=0.03)
+
+
+def test_nothing_is_claimed_where_the_strands_are_spread(sequence):
+    table = sequence.profiles
+    for frame, place in ((0, 0.4 * LENGTH), (1, 0.6 * LENGTH)):
+        near = (table["frame"] == frame) & ((table["s"] - place).abs() < 0.3 * PITCH)
+        assert table["change"][near].isna().all()
+
+
+def test_kymograph_has_a_row_for_each_place(sequence):
+    x, s, change = kymograph(sequence, points=50)
+    assert x.tolist() == [0.4, 0.6]
+    assert change.shape == (2, 50)
+    assert s[0] == 0
+    assert np.nanmin(change) < -0.15
+    assert np.nanmax(change) > 0.25
+
+
+def test_pictures_can_be_drawn(sequence, tmp_path):
+    for number, figure in enumerate([sequence_figure(sequence), kymograph_figure(sequence)]):
+        figure.savefig(tmp_path / f"{number}.png")
+        assert (tmp_path / f"{number}.png").stat().st_size > 5000
+
+
+def test_overlay_marks_the_strands():
+    picture = draw_helix(R, lambda s: 1 / PITCH, 4 * PITCH, rng=5)
+    found = helix(exact(picture))
+    overlay = draw_helix_overlay(Photo(picture.pixels), found)
+    assert overlay.shape[0] % picture.pixels.shape[0] == 0
+    zoom = overlay.shape[0] // picture.pixels.shape[0]
+    x, y = np.rint(zoom * (found.axis[5:-5] + 0.5) - 0.5).astype(int).T
+    plain = np.repeat(np.repeat(picture.pixels, zoom, axis=0), zoom, axis=1)
+    assert np.median(overlay[y, x].min(axis=1)) > np.median(plain[y, x].min(axis=1)) + 50
+    assert link_figure(found).axes[0].get_title().startswith("right-handed")
+
+
+def test_without_a_tine_there_is_no_jump():
+    found = helix(exact(draw_helix(R, lambda s: -1 / PITCH, 4 * PITCH, rng=5)))
+    jump = link_jump(found)
+    assert np.isnan(jump["jump"])
+    assert jump["lambda_0"] == pytest.approx(1 / PITCH, rel=0.01)
+
+
+def test_as_many_positions_as_frames():
+    with pytest.raises(Unmeasurable, match="1 tine positions for 2 photographs"):
+        helix_sequence([None, None], [0.1])
