@@ -40,7 +40,7 @@ def draw_overlay(
 ) -> np.ndarray:
     """Draw centrelines, strand numbers and crossings over the photograph, (h, w, 3) uint8 RGB."""
     picture = np.round(255 * photo.rgb()).astype(np.uint8)
-    thick = _thickness(photo)
+    thick = _thickness(segmentation)
     for strand in strands:
         ink = _ink(segmentation.colours[strand.colour])
         for run in _seen_runs(strand):
@@ -53,12 +53,13 @@ def draw_overlay(
         centre = tuple(_fixed(np.array([x, y])).tolist())
         cv2.circle(picture, centre, radius, ring, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS)
     for number, strand in enumerate(strands, start=1):
-        _write_number(picture, number, strand.line[0], thick)
+        _write_number(picture, number, strand.line[0])
     return picture
 
 
-def _thickness(photo: Photo) -> int:
-    return max(1, round(max(photo.shape) / 1200))
+def _thickness(segmentation: Segmentation) -> int:
+    """Return a line width [px] that leaves the strand's own colour to be seen on both sides."""
+    return max(1, round(segmentation.width / 8))
 
 
 def _ink(lab: np.ndarray) -> tuple[int, int, int]:
@@ -78,12 +79,14 @@ def _seen_runs(strand: Strand) -> list[np.ndarray]:
     return [run for run, shown in zip(runs, seen[np.r_[0, cuts]], strict=True) if shown]
 
 
-def _write_number(picture: np.ndarray, number: int, root: np.ndarray, thick: int) -> None:
+def _write_number(picture: np.ndarray, number: int, root: np.ndarray) -> None:
+    """Write a strand's number above its root; neighbours' numbers take turns in three rows."""
     height, width = picture.shape[:2]
-    scale = 0.45 * thick
+    scale = 0.45 * max(1.0, height / 2500)
+    thick = max(1, round(scale))
     (w, h), _ = cv2.getTextSize(str(number), cv2.FONT_HERSHEY_SIMPLEX, scale, thick)
     x = int(np.clip(root[0] - w / 2, 1, max(width - w - 1, 1)))
-    y = int(np.clip(root[1] - 3, h + 2, height - 2))
+    y = int(np.clip(root[1] - 3 - number % 3 * (h + 7), h + 2, height - 2))
     cv2.rectangle(picture, (x - 2, y - h - 2), (x + w + 2, y + 3), (255, 255, 255), -1)
     cv2.putText(
         picture, str(number), (x, y), cv2.FONT_HERSHEY_SIMPLEX, scale, (0, 0, 0), thick, cv2.LINE_AA
@@ -108,10 +111,10 @@ def overlay_svg(
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
             f'width="{width}" height="{height}">',
             f'<image width="{width}" height="{height}" href="data:image/jpeg;base64,{jpeg}"/>',
-            f'<g fill="none" stroke-width="{_thickness(photo)}">',
+            f'<g fill="none" stroke-width="{_thickness(segmentation)}">',
             *lines,
             "</g>",
-            f'<g fill="none" stroke="{RING}" stroke-width="{_thickness(photo)}">',
+            f'<g fill="none" stroke="{RING}" stroke-width="{_thickness(segmentation)}">',
             *rings,
             "</g>",
             "</svg>",
