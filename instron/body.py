@@ -31,6 +31,7 @@ class Body:
     lines: Sequence[int]  # line of the file, from 0, of every row
     decimal: str = "."
     thousands: bool = False
+    above: int = 0  # line at which the text above the header starts
     warnings: list[str] = field(default_factory=list)
 
 
@@ -43,6 +44,7 @@ def read_bodies(source: Source, header: Header, delimiter: str) -> list[Body]:
     for block, rows, notes in _walk(source, header, delimiter):
         bodies.append(_exact(source, block, rows, delimiter))
         bodies[-1].warnings += notes
+        bodies[-1].above = bodies[-2].lines[-1] + 1 if len(bodies) > 1 else 0
     return bodies
 
 

@@ -16,6 +16,7 @@ from instron.words import (
     unknown_unit,
 )
 
+LONGEST_HEADER = 20_000  # characters; names of a hundred specimens side by side need 10 000
 DELIMITERS = ("\t", ";", ",", "|", "spaces")
 
 
@@ -79,6 +80,8 @@ def find_header(lines: list[str], delimiter: str, start: int = 0) -> Header | No
 
 def header_at(lines: list[str], number: int, delimiter: str) -> Header | None:
     """Return the header that line ``number`` is, with units row and first row, or None."""
+    if len(lines[number]) > LONGEST_HEADER:
+        return None
     names = split_cells(lines[number], delimiter)
     if len(names) < 2 or sum(looks_numeric(name) for name in names) > len(names) // 2:
         return None
@@ -171,10 +174,10 @@ def _key(channel: Channel) -> str:
 
 
 def _best(channels: list[Channel]) -> list[Channel]:
-    """Return the channels of the lowest rank that share the first one's name."""
+    """Return the channels that share the name of the lowest rank, the plainest first."""
     if not channels:
         return []
-    first = min(channels, key=lambda c: rank(c.name))
+    first = min(channels, key=lambda c: (rank(c.name), len(_key(c).split())))
     return [c for c in channels if _key(c) == _key(first) and rank(c.name) == rank(first.name)]
 
 

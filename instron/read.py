@@ -16,7 +16,16 @@ from instron.checks import (
     refuse_fill_values,
 )
 from instron.errors import Unreadable
-from instron.layout import DELIMITERS, Channel, Header, Specimen, find_header, is_row, split_cells
+from instron.layout import (
+    DELIMITERS,
+    LONGEST_HEADER,
+    Channel,
+    Header,
+    Specimen,
+    find_header,
+    is_row,
+    split_cells,
+)
 from instron.preamble import labels_above, metadata, specimen_label, stated_maxima
 from instron.source import Source, open_source
 from instron.units import SI, factor
@@ -99,6 +108,8 @@ def _told(lines: list[str], delimiter: str, columns: Sequence[str]) -> Header | 
 def _why_no_header(lines: list[str]) -> str:
     """Say which part of a force log the file lacks."""
     for number, line in enumerate(lines[:400], start=1):
+        if len(line) > LONGEST_HEADER:
+            continue
         for delimiter in DELIMITERS[:4]:
             cells = split_cells(line, delimiter)
             names = [split_unit(cell) for cell in cells]
@@ -205,7 +216,7 @@ def _provenance(
     """Return where a table comes from and how its file is written."""
     header = body.header
     head = source.head if header.line < len(source.head) else source.lines
-    facts = metadata(head[: header.line], delimiter)
+    facts = metadata(head[body.above : header.line], delimiter)
     names = labels_above(head, header, delimiter) if len(header.specimens) > 1 else []
     label = names[number] if names else specimen_label(facts)
     return {

@@ -64,6 +64,8 @@ def open_source(path: Path) -> Source:
         For an empty file, XML, zero bytes, or a binary file.
     """
     data = _mapped(path)
+    if data[-1:] == b"\x1a":  # DOS ends a text file so
+        data = data[:].rstrip(b"\x1a")
     start = data[:HEAD_BYTES]
     utf16 = _utf16(start)
     if utf16:
@@ -74,7 +76,7 @@ def open_source(path: Path) -> Source:
         text = data[:].replace(b"\r", b"\n")
         return Source(path, text, encoding, encoding, "CR", on_disk=False)
     newline = "CRLF" if b"\r\n" in start else "LF"
-    return Source(path, data, encoding, encoding, newline, on_disk=True)
+    return Source(path, data, encoding, encoding, newline, on_disk=isinstance(data, mmap.mmap))
 
 
 def _mapped(path: Path) -> mmap.mmap | bytes:

@@ -8,6 +8,7 @@ accents and case; Chinese and Japanese ones are looked for inside the cell.
 import re
 import unicodedata
 
+LONGEST_NAME = 200
 QUANTITIES = ("time", "displacement", "force")
 
 
@@ -159,6 +160,8 @@ def is_unit(text: str) -> bool:
 def split_unit(cell: str) -> tuple[str, str | None]:
     """Split a header cell into name and written unit: ``Load [kN]`` gives (Load, kN)."""
     text = cell.strip().strip("\"'").strip()
+    if len(text) > LONGEST_NAME:
+        return text, None
     for bracket in reversed(list(re.finditer(r"[(\[<{]\s*([^()\[\]<>{}]*?)\s*[)\]>}]", text))):
         if is_unit(bracket[1]):
             return (text[: bracket.start()] + text[bracket.end() :]).strip(), bracket[1]
@@ -181,6 +184,8 @@ def unknown_unit(name: str) -> str | None:
 
 def quantity_of(name: str) -> str | None:
     """Return which quantity a header name means, or None."""
+    if len(name) > LONGEST_NAME:
+        return None
     bare = plain(re.sub(r"[(\[<].*?[)\]>]", " ", name))
     tokens = {re.sub(r"\d+$", "", token) for token in bare.split()}
     if tokens & OTHER_THINGS or any(plain(piece) in bare for piece in OTHER_PIECES):

@@ -167,6 +167,18 @@ def test_quoted_line_breaks_in_the_preamble_do_not_shift_the_rows(tmp_path):
     assert log["time"].iloc[0] == 0
 
 
+def test_each_stacked_specimen_has_its_own_name(tmp_path):
+    block = HEAD + "\n".join(body(30)) + "\n\n"
+    logs = read(tmp_path, "".join(f"Specimen label,{name}\n{block}" for name in "abc"))
+    assert [log.attrs["specimen"] for log in logs] == ["a", "b", "c"]
+
+
+def test_ten_thousand_rows_of_garbage_do_not_hang(tmp_path):
+    for garbage in ("a," * 100_000, "1" * 1_000_000, '"' * 100_000, "Time,Extension,Load\n" * 2000):
+        with pytest.raises(instron.Unreadable):
+            read(tmp_path, garbage)
+
+
 def test_footers_are_left_out(tmp_path):
     log = read(tmp_path, HEAD + "\n".join(body()) + "\n\nEnd of test\nOperator,Zoe\n")[0]
     assert len(log) == 50

@@ -276,6 +276,21 @@ def blank_tail_of_a_spreadsheet():
     return "Time,Extension,Load\n(s),(mm),(N)\n" + rows([T, X, F]) + ",,\r\n" * 12, [si()]
 
 
+def dos_end_of_file():
+    return "Time,Extension,Load\r\n(s),(mm),(N)\r\n" + rows([T, X, F]) + "\x1a", [si()]
+
+
+def tensile_extension_before_extension():
+    head = "Time,Tensile extension,Load,Extension\n(s),(mm),(N),(mm)\n"
+    return head + rows([T, X - 1, F, X]), [si()]
+
+
+def wavematrix_with_nested_brackets():
+    head = '"Total Time (s)","Cycle Elapsed Time (s)","Total Cycles","Step",'
+    head += '"Position(8800 (0,1):Position) (mm)","Load(8800 (0,1):Load) (kN)"\n'
+    return head + rows([T, T, T * 0, T * 0 + 1, X, F]), [si(f=KN)]
+
+
 def exponents():
     def cell(v):
         return f"{v:.8E}"
