@@ -111,7 +111,7 @@ def _pandas(
                 skiprows=header.first_row if source.on_disk else 0,
                 decimal=marks[0],
                 thousands=marks[1],
-                encoding_errors="replace",  # only digits matter here; latin-1 would be twice as slow
+                encoding_errors="replace",  # digits are ASCII; latin-1 is twice as slow
                 engine="c",
             )
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError):

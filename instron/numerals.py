@@ -155,7 +155,7 @@ SIGNS = list(b"+-")
 
 
 def grouping(data: Any, start: int) -> str:
-    """Return whether commas inside quotes group thousands: ``"none"``, ``"regular"``, ``"unclear"``.
+    """Return how commas inside quotes group: ``"none"``, ``"regular"`` or ``"unclear"``.
 
     Regular means one group of exactly three digits with a decimal point after it, as in
     ``"1,424.96"``; what else there may be is for the exact way to judge.

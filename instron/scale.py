@@ -184,7 +184,7 @@ def _ends(d: np.ndarray, F: np.ndarray, noise: float, rig: Rig, name: str) -> _E
 
 def _last_above(d: np.ndarray, F: np.ndarray, threshold: float) -> float:
     """Return the displacement at which F last falls through the threshold, interpolated."""
-    above = np.flatnonzero(F > threshold)
+    above = np.flatnonzero(threshold < F)
     if not len(above):
         return 0.0
     i = above[-1]

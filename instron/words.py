@@ -126,10 +126,10 @@ _UNIT_OF = {
 }
 
 OTHER_UNITS = _set(
-    "% mpa gpa kpa pa psi ksi msi mm/mm in/in n/mm n/mm² n/mm2 n/mm^2 kn/mm² n/m n/tex cn/tex g/den"
-    " gf/den j mj kj nm n·m n.m v mv volt volts deg degree degrees ° °c c °f k hz mm/min mm/s in/min"
-    " mm² mm2 mm^2 cycles cycle count strain mm/mm% m/m cel s-1 1/s %/min mv/v kgf/mm2 kgf/mm²"
-    " kgf/cm² kgf/cm2 - none"
+    "% mpa gpa kpa pa psi ksi msi mm/mm in/in n/mm n/mm² n/mm2 n/mm^2 kn/mm² n/m n/tex cn/tex"
+    " g/den gf/den j mj kj nm n·m n.m v mv volt volts deg degree degrees ° °c c °f k hz mm/min"
+    " mm/s in/min mm² mm2 mm^2 cycles cycle count strain mm/mm% m/m cel s-1 1/s %/min mv/v"
+    " kgf/mm2 kgf/mm² kgf/cm² kgf/cm2 - none"
 )
 VOLTS = {"v", "mv", "volt", "volts", "mv/v", "uv", "µv"}
 

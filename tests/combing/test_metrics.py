@@ -35,7 +35,9 @@ def test_a_shift_ranks_above_missing_jams_where_mean_absolute_error_does_not():
     true, shifted, none = jams(0.3, 0.6), jams(0.33, 0.63), jams(height=0.0)
     mae = [np.abs(true["f"] - c["f"]).mean() for c in (shifted, none)]
     assert mae[0] > 0.95 * mae[1]
-    by = {name: compare_curves(true, c, iso=True) for name, c in (("shift", shifted), ("none", none))}
+    by = {
+        name: compare_curves(true, c, iso=True) for name, c in (("shift", shifted), ("none", none))
+    }
     assert by["shift"]["event_score"] == pytest.approx(0.7, abs=0.02)
     assert by["none"]["event_score"] == 0
     assert by["shift"]["iso18571"] > by["none"]["iso18571"]

@@ -155,7 +155,8 @@ def test_extension_at_maximum_load_is_no_maximum_load(tmp_path):
 
 def test_a_table_without_header_is_read_when_told(tmp_path):
     text = "\n".join(row.split(",", 1)[1] for row in body())
-    log = read(tmp_path, text, columns=("displacement", "force"), units={"displacement": "mm", "force": "N"})[0]  # fmt: skip
+    units = {"displacement": "mm", "force": "N"}
+    log = read(tmp_path, text, columns=("displacement", "force"), units=units)[0]
     assert len(log) == 50
     assert log["force"].iloc[-1] == pytest.approx(161.25)
     assert log["time"].isna().all()

@@ -99,9 +99,10 @@ def attempt(path, content):
     try:
         return instron.read(path)
     except instron.Unreadable as error:
-        assert path.name in str(error)
-        assert "\n" not in str(error)
-        return None
+        message = str(error)
+    assert path.name in message
+    assert "\n" not in message
+    return None
 
 
 def agrees(log, truth):
@@ -132,7 +133,7 @@ def is_ambiguous(body, form):
 
 
 JUNK = st.sampled_from([b"", b",", b";", b"\t", b".", b"-", b'"', b"\n", b"\r", b"e", b"x", b" ",
-                        b"\0", b"\xff", b"--", b",,", b"nan", b"OVER", b"1.#INF", b"9.9E+37"])  # fmt: skip
+                        b"\0", b"\xff", b"--", b",,", b"nan", b"OVER", b"9E37"])  # fmt: skip
 
 
 @st.composite

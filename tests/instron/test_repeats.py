@@ -75,7 +75,7 @@ def test_the_band_covers_the_whole_true_curve(n):
     covered = 0
     for _ in range(400):
         low, high = simultaneous_band(smooth_samples(n, rng), 0.95, 400, rng)
-        covered += bool(np.all((low <= 0) & (0 <= high)))
+        covered += bool(np.all((low <= 0) & (high >= 0)))
     assert 0.92 <= covered / 400 <= 0.98
 
 
