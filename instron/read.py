@@ -28,7 +28,7 @@ from instron.layout import (
 )
 from instron.preamble import labels_above, metadata, specimen_label, stated_maxima
 from instron.source import Source, open_source
-from instron.units import SI, factor
+from instron.units import factor
 from instron.words import QUANTITIES, VOLTS, quantity_of, split_unit, unit_of
 
 USUAL_UNITS = {"time": "s", "displacement": "mm", "force": "N"}
@@ -258,6 +258,3 @@ def _check_together(source: Source, tables: list[pd.DataFrame], stated: list) ->
             table.attrs["stated"] = {
                 "maximum load": [f"{s.value:g} {s.unit or ''}".strip() for s in stated]
             }
-
-
-__all__ = ["SI", "read"]

@@ -9,8 +9,6 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationErro
 
 from instron.errors import RigError
 
-ZERO_RULES = ("auto", "free", "start", "drift", "none")
-
 
 class Rig(BaseModel):
     """What is needed to turn F(d) into f(x). SI units.
