@@ -27,6 +27,7 @@ EDGE = 0.5  # fraction of the strand's contrast that marks its edge
 NOISE_FACTOR = 4.0  # times the background's median contrast after a 3 x 3 mean; above is strand
 MIN_CONTRAST = 6.0  # Lab units; about three just-noticeable differences
 FAINT = 0.25  # of the strands' contrast; fainter is shadow, reflection or texture
+BLOCK = 3.0  # strand widths; a patch of one colour this wide is no strand
 MIN_LENGTH = 5.0  # strand widths; a shorter blob is dirt
 
 
@@ -78,7 +79,10 @@ def segment(photo: Photo) -> Segmentation:
     features = colour_features(pure, ground)
     middle = _ridge(strand, 0.35 * width)[strand]
     centres, colours = find_colours(features[middle], pure[middle], width)
-    labels = vote(features, strand, centres, width, covered**4)
+    labels = _without_blocks(vote(features, strand, centres, width, covered**4), width)
+    labels, colours = _with_enough(labels, colours, width)
+    if len(colours) == 0:
+        raise Unmeasurable(f"{photo.source}: what stands out from the background is no strand")
     return Segmentation(labels, _membership(labels, coverage, len(colours)), colours, width)
 
 
@@ -183,6 +187,31 @@ def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
     good = extent > MIN_LENGTH * width
     good[0] = False
     return good[blobs].astype(np.uint8)
+
+
+def _without_blocks(labels: np.ndarray, width: float) -> np.ndarray:
+    """Clear patches of one colour wider than strands are: a clamp, a card, a finger."""
+    kernel = np.ones((3, 3), np.uint8)
+    narrow = labels.astype(np.float32)
+    same = (cv2.dilate(narrow, kernel) == cv2.erode(narrow, kernel)) & (labels > 0)
+    depth = cv2.distanceTransform(same.astype(np.uint8), cv2.DIST_L2, 5)
+    core = depth > 0.5 * BLOCK * width
+    if not core.any():
+        return labels
+    away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
+    return np.where(away > 0.5 * BLOCK * width + 3, labels, 0).astype(np.int32)
+
+
+def _with_enough(
+    labels: np.ndarray, colours: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Drop colours of which less is left than the shortest strand covers; number the rest."""
+    area = np.bincount(labels.ravel(), minlength=len(colours) + 1)[1:]
+    kept = area >= MIN_LENGTH * width**2
+    if kept.all():
+        return labels, colours
+    number = np.concatenate([[0], np.where(kept, np.cumsum(kept), 0)]).astype(np.int32)
+    return number[labels], colours[kept]
 
 
 def _membership(labels: np.ndarray, coverage: np.ndarray, count: int) -> np.ndarray:

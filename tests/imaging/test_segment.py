@@ -114,3 +114,12 @@ def test_noise_alone_is_refused():
     noise = np.random.default_rng(0).normal(128, 5, (*SHAPE, 3)).clip(0, 255).astype(np.uint8)
     with pytest.raises(Unmeasurable):
         segment(Photo(noise))
+
+
+def test_a_clamp_is_no_strand():
+    drawn = picture(BRIGHT, Look())
+    pixels = drawn.pixels.copy()
+    pixels[:30, 40:140] = (40, 40, 45)
+    found = segment(Photo(pixels))
+    assert len(found.colours) == len(BRIGHT)
+    assert not found.labels[3:27, 45:135].any()
