@@ -67,7 +67,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    r"""Trace coloured strands and count their crossings and N-body interactions.
+    """Trace coloured strands and count their crossings and N-body interactions.
 
     FILES are photographs (JPEG, PNG, TIFF; HEIC and camera RAW with the extra 'formats'), folders
     or patterns. A batch that was interrupted takes up where it stopped; a photograph that cannot
@@ -77,7 +77,7 @@ def command(
     Example:
       combing photo curl.jpg --scale marker:20mm -o out/
       combing photo session/ --scale 41.5px/mm --n-sec 20 -o out/
-    """
+    """  # noqa: D301 - click reads the backspace as "do not rewrap"
     paths = _expand(files)
     request = parse_scale(scale) if scale else None
     options = Options(scale, n_sec, _parse_roi(roi), ignore)

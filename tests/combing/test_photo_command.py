@@ -129,4 +129,5 @@ def test_a_mistake_is_one_line_and_leaves_nothing(
 
 def test_help_shows_an_example(capsys):
     assert run("photo", "--help") == 0
-    assert "combing photo curl.jpg --scale" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "\n    combing photo curl.jpg --scale marker:20mm -o out/\n" in told
