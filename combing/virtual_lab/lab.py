@@ -24,7 +24,6 @@ from combing.virtual_lab.photographs import save_photo
 from combing.virtual_lab.specimens import SEED, Specimen, curls, helices, study_scenes
 
 N_SEC = 20
-SAMPLES = 2000
 SYNTHETIC = "synthetic data: made by the virtual lab, not measured"
 
 
@@ -113,7 +112,7 @@ def _write_logs(out: Path, combed: list[Specimen], runs: Mapping[str, sim.Run]) 
         rng = np.random.default_rng([SEED, number, 7])
         true = runs[specimen.name].force_log()
         cell = draw_cell(rng)
-        log = record(true, cell, samples=SAMPLES, rng=rng)
+        log = record(true, cell, samples=len(true), rng=rng)
         facts = {
             "General : Origin": SYNTHETIC,
             "General : Method": "combing of a double helix, virtual lab",
