@@ -55,9 +55,7 @@ class Header:
 def split_cells(line: str, delimiter: str) -> list[str]:
     """Split a line into cells, minding quotes."""
     if delimiter == "spaces":
-        return re.split(
-            r"\s+" if not re.search(r"[^\W\d_]{2}", line) else r"\s{2,}|\t", line.strip()
-        )
+        return re.split(r" +" if not re.search(r"[^\W\d_]{2}", line) else r" {2,}", line.strip())
     if '"' not in line:
         return [cell.strip() for cell in line.split(delimiter)]
     mark = re.escape(delimiter)
@@ -80,7 +78,8 @@ def find_header(lines: list[str], delimiter: str, start: int = 0) -> Header | No
 
 def header_at(lines: list[str], number: int, delimiter: str) -> Header | None:
     """Return the header that line ``number`` is, with units row and first row, or None."""
-    if len(lines[number]) > LONGEST_HEADER:
+    torn = delimiter == "spaces" and re.search(r"[\t;|]", lines[number])
+    if torn or len(lines[number]) > LONGEST_HEADER:
         return None
     names = split_cells(lines[number], delimiter)
     if len(names) < 2 or sum(looks_numeric(name) for name in names) > len(names) // 2:

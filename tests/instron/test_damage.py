@@ -59,6 +59,10 @@ REFUSED = {
         with_row('\t"2.00"\t"1.0000"\t"3.0"', at=0, head=TAB, delimiter="\t"),
         "line 3: 4 cells under a header of 3",
     ),
+    "grouping blanks are no delimiter": (
+        "Time\tExtension\tLoad\n(s)\t(mm)\t(N)\n1\u00a0319\u00a09",
+        "no row of numbers",
+    ),
     "gap": (with_row("2.00,1.0000,"), "line 23: a row lacks numbers"),
     "letter in a number": (with_row("2.00,1.0000,12x.5"), "line 23: .*'12x.5'"),
     "time runs back": (with_row("0.30,1.0000,125.0"), "line 23: time jumps back"),
