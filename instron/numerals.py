@@ -136,17 +136,17 @@ def _refuse_unproven_groups(
     """Refuse ``1,490`` in a column of decimals, and ``2,110,849`` in any, unless another number
     such as ``1,490.5`` shows that commas group there.
     """
-    other = "," if mark == "." else "."
-    grouped = [i for i in odd if other in texts[i]]
-    if not grouped or any(mark in texts[i] for i in grouped):
-        return
-    millions = any(_WHOLE_MILLIONS.fullmatch(texts[i]) for i in grouped)
-    if millions or any(mark in text for text in texts[simple]):
-        raise Unclear(
-            f"'{texts[grouped[0]]}' could be a decimal or a thousand: no number with both marks"
-            " tells",
-            int(grouped[0]),
-        )
+    decimals = any(mark in text for text in texts[simple])
+    for separator in ",.'\u2019" + SPACES:
+        grouped = [i for i in odd if separator != mark and separator in texts[i]]
+        if not grouped or any(mark in texts[i] for i in grouped):
+            continue
+        if decimals or any(_WHOLE_MILLIONS.fullmatch(texts[i]) for i in grouped):
+            raise Unclear(
+                f"'{texts[grouped[0]]}' could be a decimal or a thousand: no number with both"
+                " marks tells",
+                int(grouped[0]),
+            )
 
 
 CHUNK = 1 << 18  # fits a core's cache
