@@ -22,7 +22,7 @@ from combing.study import load_study
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 def command(study: Path, output: Path, jobs: int | None, as_json: bool, quiet: bool) -> None:
-    r"""Carry out STUDY: measure its photographs and logs, simulate its scenes, compare, draw.
+    """Carry out STUDY: measure its photographs and logs, simulate its scenes, compare, draw.
 
     STUDY is a TOML file that names the files (docs/study.md); scenes that were simulated before
     into the same folder are not simulated again.

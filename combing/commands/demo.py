@@ -23,7 +23,7 @@ from combing.study import load_study
 @click.option("--jobs", type=click.IntRange(min=1), help="Simulations at once.  [default: cores]")
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 def command(output: Path, jobs: int | None, quiet: bool) -> None:
-    r"""Compare the virtual lab's photographs and force logs with simulations run here and now.
+    """Compare the virtual lab's photographs and force logs with simulations run here and now.
 
     Takes about three minutes on two cores, a good part of it compilation and simulation; prints
     how far every pipeline is from the truth, which is known because the data are synthetic.

@@ -42,7 +42,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    r"""Turn force logs into scaled curves f(x), with repeats, events and Love's curve.
+    """Turn force logs into scaled curves f(x), with repeats, events and Love's curve.
 
     FILES are exports (CSV, TXT, TRA, DAT) or folders of them; each specimen is one repeat.
 

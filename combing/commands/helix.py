@@ -95,7 +95,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    r"""Measure link density, radius and handedness of two strands wound round each other.
+    """Measure link density, radius and handedness of two strands wound round each other.
 
     The strands must differ in colour. With --positions, the photographs are a series while a tine
     combs the helix, and the change of link density and the jump across the tine are drawn too.

@@ -77,7 +77,7 @@ def command(
     Example:
       combing photo curl.jpg --scale marker:20mm -o out/
       combing photo session/ --scale 41.5px/mm --n-sec 20 -o out/
-    """  # noqa: D301 - click reads the backspace as "do not rewrap"
+    """
     paths = _expand(files)
     request = parse_scale(scale) if scale else None
     options = Options(scale, n_sec, _parse_roi(roi), ignore)

@@ -34,7 +34,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    r"""Simulate a SCENE and write what was recorded.
+    """Simulate a SCENE and write what was recorded.
 
     SCENE is a TOML file: a preset with its parameters, or rods, contact, friction, damping, tines
     one by one (docs/sim.md lists the keys). Units are SI.

@@ -22,7 +22,7 @@ import click
 @click.option("--jobs", type=click.IntRange(min=1), help="Simulations at once.  [default: cores]")
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 def command(output: Path, runs: Path | None, jobs: int | None, quiet: bool) -> None:
-    r"""Make a small synthetic data set with its truth: photographs, machine exports, scenes.
+    """Make a small synthetic data set with its truth: photographs, machine exports, scenes.
 
     Nine specimens are simulated, combed and photographed; this takes about 15 minutes on two
     cores. Called again, it goes on where it stopped. Needs pip install "combing[render]".
