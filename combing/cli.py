@@ -53,8 +53,10 @@ def main(args: list[str] | None = None) -> None:
     arguments = sys.argv[1:] if args is None else args
     try:
         combing.main(args=arguments, prog_name="combing", standalone_mode=False)
-    except click.ClickException as error:
-        error.show()
+        sys.exit(0)
+    except click.UsageError as error:
+        command = error.ctx.command_path if error.ctx else "combing"
+        click.echo(f"combing: {error.format_message()} (see {command} --help)", err=True)
         sys.exit(2)
     except click.Abort:
         click.echo("combing: interrupted", err=True)

@@ -19,7 +19,6 @@ def run_combing(capsys):
     def run(*arguments):
         with pytest.raises(SystemExit) as stopped:
             main([str(argument) for argument in arguments])
-            raise SystemExit(0)
         return stopped.value.code, *capsys.readouterr()
 
     return run
