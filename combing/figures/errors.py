@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from combing.figures.style import EXPERIMENT, new_figure, paper_style
+from combing.figures.style import EXPERIMENT, mark_synthetic, new_figure, paper_style
 
 TITLES = {
     "force": ("force peak", "f_max", r"$f_{max}$"),
@@ -30,6 +30,8 @@ def draw_errors(errors: pd.DataFrame) -> Figure:
             rows = errors[(errors["kind"] == kind) & errors["quantity"].str.startswith(quantity)]
             _draw(panel, rows)
             panel.set(title=title, xlabel=f"true {label}", ylabel=f"measured {label}")
+        # Truth is known of synthetic data only.
+        mark_synthetic(figure, True)
     return figure
 
 

@@ -85,7 +85,7 @@ def test_synthetic_is_said_everywhere(demo):
     out = demo[1]
     assert json.loads((out / "summary.json").read_text(encoding="utf-8"))["synthetic"] is True
     assert "<strong>synthetic</strong>" in (out / "report.html").read_text(encoding="utf-8")
-    for name in ("force", "link", "interactions"):
+    for name in ("force", "link", "interactions", "errors"):
         assert "synthetic" in (out / f"{name}.csv").read_text(encoding="utf-8").split("\n")[0]
         assert "synthetic data" in (out / f"{name}.svg").read_text(encoding="utf-8")
 
