@@ -100,7 +100,11 @@ def _drawers(study: Study) -> dict[str, Callable[[Comparison], Figure]]:
 
 
 def _error_section(errors: pd.DataFrame, folder: Path) -> Section:
-    write_table(folder / "errors.csv", errors, ["measured beside true values; synthetic experiment (virtual lab); SI units"])
+    write_table(
+        folder / "errors.csv",
+        errors,
+        ["measured beside true values; synthetic experiment (virtual lab); SI units"],
+    )
     png, _ = save(draw_errors(errors), folder, "errors", synthetic=True)
     text = (
         "The experiment of this study is synthetic, so the truth behind every file is known. "
