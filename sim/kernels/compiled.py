@@ -53,7 +53,7 @@ CACHE = cache_folder()
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile `function` without the interpreter, with the project's options, cached on disk."""
-    return _compile(function)
+    return _compile(function, forceinline=False)
 
 
 def formula(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -61,11 +61,13 @@ def formula(function: Callable[..., Any]) -> Callable[..., Any]:
     return _compile(function, forceinline=True)
 
 
-def _compile(function: Callable[..., Any], **options: bool) -> Callable[..., Any]:
+def _compile(function: Callable[..., Any], *, forceinline: bool) -> Callable[..., Any]:
     previous = config.CACHE_DIR  # type: ignore[attr-defined]
     config.CACHE_DIR = str(CACHE)  # type: ignore[attr-defined]
     try:
-        options = {"cache": True, **options}
-        return numba.njit(error_model="numpy", fastmath=FASTMATH, **options)(function)
+        compiler = numba.njit(
+            cache=True, error_model="numpy", fastmath=FASTMATH, forceinline=forceinline
+        )
+        return compiler(function)
     finally:
         config.CACHE_DIR = previous  # type: ignore[attr-defined]
