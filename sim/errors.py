@@ -19,5 +19,9 @@ class Unstable(RuntimeError):
     """
 
     def __init__(self, message: str, time: float, rod: int, element: int) -> None:
-        super().__init__(message)
+        super().__init__(message, time, rod, element)  # all of them, so that it can be pickled
         self.time, self.rod, self.element = time, rod, element
+
+    def __str__(self) -> str:
+        """Return the message alone."""
+        return str(self.args[0])

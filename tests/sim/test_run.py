@@ -1,5 +1,6 @@
 """Whole runs: recorded, written, read back, repeated; and combing itself."""
 
+import pickle
 import shutil
 import subprocess
 import sys
@@ -95,6 +96,9 @@ def test_a_run_that_blows_up_stops_says_where_and_keeps_what_was_good(tmp_path):
         march.advance(100_000)
     assert error.value.time > 0
     assert 0 <= error.value.rod < 2
+    again = pickle.loads(pickle.dumps(error.value))  # as a worker process hands it back
+    assert str(again) == str(error.value)
+    assert again.time == error.value.time
 
 
 def test_something_else_is_not_opened_as_a_run(tmp_path):
