@@ -116,7 +116,6 @@ def command(
     if before is not None and places is None:
         raise UserError("--before needs --positions, one for each photograph")
     rest = None if before is None else _measure(before, options)[1]
-    output.mkdir(parents=True, exist_ok=True)
     rows, measured = _measure_all(photos, output, options, places is not None, quiet)
     if places is not None:
         first = rest or measured[0]
