@@ -7,12 +7,15 @@ are imported here, once, after their modules.
 from imaging.crossings import crossings
 from imaging.errors import Unmeasurable
 from imaging.helix import helix
+from imaging.helix_measurement import HelixMeasurement
+from imaging.helix_sequence import helix_sequence, link_jump
 from imaging.interactions import densities, events, interactions
 from imaging.photo import Photo, read_photo
 from imaging.segment import Segmentation, segment
 from imaging.trace import Strand, trace
 
 __all__ = [
+    "HelixMeasurement",
     "Photo",
     "Segmentation",
     "Strand",
@@ -21,7 +24,9 @@ __all__ = [
     "densities",
     "events",
     "helix",
+    "helix_sequence",
     "interactions",
+    "link_jump",
     "read_photo",
     "segment",
     "trace",

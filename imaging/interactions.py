@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from imaging.crossings import crossings
 from imaging.errors import Unmeasurable
@@ -140,8 +140,8 @@ def densities(found: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
     length = found.attrs["length"]
     tail = (1 - level) / 2
     k = total.to_numpy()
-    low = np.where(k > 0, chi2.ppf(tail, 2 * np.maximum(k, 1)) / 2, 0.0)
-    high = chi2.ppf(1 - tail, 2 * k + 2) / 2
+    low = np.where(k > 0, gammaincinv(np.maximum(k, 1), tail), 0.0)
+    high = gammaincinv(k + 1, 1 - tail)
     summed = pd.DataFrame(
         {
             "N": total.index,

@@ -58,7 +58,7 @@ def find_colours(
     Returns
     -------
     centres : (k, 3) array
-        Colours in feature space.
+        Colours in feature space; none where no colour is dense enough.
     colours : (k, 3) array
         Colours in Lab.
     """
@@ -70,9 +70,9 @@ def find_colours(
     which = _modes(density)[tuple(cells.T)]
     sizes = np.bincount(which[which >= 0], minlength=1)
     kept = np.flatnonzero(sizes >= max(RIDGE_SHARE * len(features), 5 * width))
-    centres = np.array([np.median(features[which == k], axis=0) for k in kept])
-    colours = np.array([np.median(lab[which == k], axis=0) for k in kept])
-    return centres, colours
+    centres = [np.median(features[which == k], axis=0) for k in kept]
+    colours = [np.median(lab[which == k], axis=0) for k in kept]
+    return np.reshape(centres, (-1, 3)), np.reshape(colours, (-1, 3))
 
 
 def _modes(density: np.ndarray) -> np.ndarray:

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.stats import trim_mean
 
 from imaging.errors import Unmeasurable
 from imaging.palette import colour_features, find_colours, unmixed, vote
@@ -27,8 +26,14 @@ EDGE = 0.5  # fraction of the strand's contrast that marks its edge
 NOISE_FACTOR = 4.0  # times the background's median contrast after a 3 x 3 mean; above is strand
 MIN_CONTRAST = 6.0  # Lab units; about three just-noticeable differences
 FAINT = 0.25  # of the strands' contrast; fainter is shadow, reflection or texture
+BORDER = 0.5  # change of (L, a, b)/(L + 16), summed, that tells two strands from shading
+DEEPER = 1.25  # times the depth of a single strand; the border of two that touch lies deeper
 BLOCK = 3.0  # strand widths; a patch of one colour this wide is no strand
 MIN_LENGTH = 5.0  # strand widths; a shorter blob is dirt
+NO_STRAND = (
+    "what stands out from the background is no strand: it is not long or not of one colour; "
+    "photograph strands of distinct colours on a plain surface"
+)
 
 
 @dataclass(frozen=True)
@@ -74,15 +79,26 @@ def segment(photo: Photo) -> Segmentation:
     background = background_of(lab, ignore)
     coverage, width = _coverage(photo.source, lab, background, ignore)
     strand = coverage > EDGE
+    if not strand.any():
+        raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
     covered, ground = coverage[strand], background[strand]
     pure = unmixed(lab[strand], ground, covered)
     features = colour_features(pure, ground)
-    middle = _ridge(strand, 0.35 * width)[strand]
+    at = _middles(lab, strand, width)
+    number = np.cumsum(strand).reshape(strand.shape) - 1
+    middle = number[at][strand[at]]
     centres, colours = find_colours(features[middle], pure[middle], width)
-    labels = _without_blocks(vote(features, strand, centres, width, covered**4), width)
-    labels, colours = _with_enough(labels, colours, width)
+    if len(centres) == 0:
+        raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
+    labels = vote(features, strand, centres, width, covered**4)
+    depth = _depth(labels)
+    together, width = width, _typical_width(depth)
+    if width < together / DEEPER:  # strands that touch: votes came from too far
+        labels = vote(features, strand, centres, width, covered**4)
+        depth = _depth(labels)
+    labels, colours = _with_enough(_without_blocks(labels, depth, width), colours, width)
     if len(colours) == 0:
-        raise Unmeasurable(f"{photo.source}: what stands out from the background is no strand")
+        raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
     return Segmentation(labels, _membership(labels, coverage, len(colours)), colours, width)
 
 
@@ -148,14 +164,14 @@ def _coverage(
         )
     coarse = smooth > max(threshold, FAINT * float(np.percentile(smooth[coarse], 75)))
     coverage = _against_ridge(contrast, smooth, coarse)
-    width = _typical_width(coverage > EDGE)
+    width = _typical_width(_inside(coverage > EDGE))
     keep = _without_dirt(coverage > EDGE, width)
     return np.where(cv2.dilate(keep, np.ones((5, 5), np.uint8)) > 0, coverage, 0), width
 
 
 def _against_ridge(contrast: np.ndarray, smooth: np.ndarray, coarse: np.ndarray) -> np.ndarray:
     """Contrast divided by that of the nearest ridge, clipped to [0, 1]."""
-    ridge = _ridge(coarse, 0.0)
+    ridge = _summit(_inside(coarse))
     _, nearest = cv2.distanceTransformWithLabels(
         (~ridge).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
     )
@@ -164,20 +180,52 @@ def _against_ridge(contrast: np.ndarray, smooth: np.ndarray, coarse: np.ndarray)
     return np.where(coarse, np.clip(contrast / np.maximum(level[nearest], 1e-6), 0, 1), 0)
 
 
-def _ridge(mask: np.ndarray, least: float) -> np.ndarray:
-    """Medial axis: where the distance to the outside is a local maximum and above `least`."""
-    depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
-    top = cv2.dilate(depth, np.ones((3, 3), np.uint8))
-    return (depth >= top - 0.3) & (depth > least) & mask
+def _inside(mask: np.ndarray) -> np.ndarray:
+    """Distance to the outside of a mask [px], 0 outside."""
+    return cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
 
 
-def _typical_width(mask: np.ndarray) -> float:
+def _summit(depth: np.ndarray) -> np.ndarray:
+    """Medial axis: where the distance to the outside is a local maximum."""
+    return (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - 0.3) & (depth > 0)
+
+
+def _middles(lab: np.ndarray, strand: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and columns of pixels in the middle of strands.
+
+    Those of the medial axis, unless it runs deeper than in a single strand and the colour half-way
+    to the rim is another on one side than on the other: then two strands touch there, and the two
+    sides are their middles.
+    """
+    depth = _inside(strand)
+    y, x = np.nonzero(_summit(depth) & (depth > 0.35 * width))
+    deep = depth[y, x]
+    last = np.subtract(strand.shape, 1)
+    angle = np.pi * np.arange(16)[:, None] / 8
+    rows = np.clip(np.rint(y + deep / 2 * np.sin(angle)), 0, last[0]).astype(int)
+    columns = np.clip(np.rint(x + deep / 2 * np.cos(angle)), 0, last[1]).astype(int)
+    hue = _hue(cv2.blur(lab, (3, 3))[rows, columns])
+    apart = np.abs(hue[:8] - hue[8:]).sum(axis=-1)
+    border = (apart.max(axis=0) > BORDER) & (deep > DEEPER * np.percentile(deep, 20))
+    at = apart.argmax(axis=0)[border], np.flatnonzero(border)
+    opposite = at[0] + 8, at[1]
+    return (
+        np.concatenate([y[~border], rows[at], rows[opposite]]),
+        np.concatenate([x[~border], columns[at], columns[opposite]]),
+    )
+
+
+def _hue(lab: np.ndarray) -> np.ndarray:
+    return lab / (lab[..., :1] + 16)
+
+
+def _typical_width(depth: np.ndarray) -> float:
     """Twice the depth of the medial axis (mean of its middle half), less half a pixel a side."""
-    depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
-    ridge = _ridge(mask, 1.2)
-    if not ridge.any():
+    depths = np.sort(depth[_summit(depth) & (depth > 1.2)])
+    if len(depths) == 0:
         return 1.5
-    return max(2 * float(trim_mean(depth[ridge], 0.25)) - 1, 1.5)
+    quarter = len(depths) // 4
+    return max(2 * float(depths[quarter : len(depths) - quarter].mean()) - 1, 1.5)
 
 
 def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
@@ -189,16 +237,21 @@ def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
     return good[blobs].astype(np.uint8)
 
 
-def _without_blocks(labels: np.ndarray, width: float) -> np.ndarray:
-    """Clear patches of one colour wider than strands are: a clamp, a card, a finger."""
+def _depth(labels: np.ndarray) -> np.ndarray:
+    """Distance of each strand pixel to the nearest one that is not of its colour [px]."""
     kernel = np.ones((3, 3), np.uint8)
-    narrow = labels.astype(np.float32)
-    same = (cv2.dilate(narrow, kernel) == cv2.erode(narrow, kernel)) & (labels > 0)
-    depth = cv2.distanceTransform(same.astype(np.uint8), cv2.DIST_L2, 5)
-    core = depth > 0.5 * BLOCK * width
+    values = labels.astype(np.float32)
+    highest = cv2.dilate(values, kernel)
+    lowest = cv2.erode(np.where(labels > 0, values, np.inf), kernel)
+    return _inside((labels > 0) & (highest == lowest))
+
+
+def _without_blocks(labels: np.ndarray, depth: np.ndarray, width: float) -> np.ndarray:
+    """Clear patches of one colour wider than strands are: a clamp, a card, a finger."""
+    core = depth > 0.5 * BLOCK * width + 1
     if not core.any():
         return labels
-    away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
+    away = _inside(~core)
     return np.where(away > 0.5 * BLOCK * width + 3, labels, 0).astype(np.int32)
 
 

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 from imaging import Photo, Unmeasurable, segment
+from imaging.helix_synthetic import draw_helix
+from imaging.palette import find_colours
 from imaging.synthetic import Look, Picture, render
 
 SHAPE = (240, 320)
@@ -123,3 +125,30 @@ def test_a_clamp_is_no_strand():
     found = segment(Photo(pixels))
     assert len(found.colours) == len(BRIGHT)
     assert not found.labels[3:27, 45:135].any()
+
+
+@pytest.mark.parametrize("background", [(235, 235, 230), (25, 25, 25)], ids=["light", "dark"])
+@pytest.mark.parametrize("radius", [4, 8, 12])
+def test_two_strands_that_touch_all_along_have_two_colours(radius, background):
+    """The medial axis of a twisted pair runs on the border between the two."""
+    drawn = draw_helix(
+        radius, lambda s: 1 / (18 * radius), 90 * radius, phase=1, background=background, rng=1
+    )
+    found = segment(Photo(drawn.pixels))
+    truth = np.where(drawn.membership.sum(axis=0) > 0.5, drawn.membership.argmax(axis=0) + 1, 0)
+    assert len(found.colours) == 2
+    assert agreement(found.labels, truth) > 0.965
+
+
+@pytest.mark.parametrize("radius", [20, 60])
+def test_a_disc_is_no_strand(radius):
+    pixels = np.full((*SHAPE, 3), 235, np.uint8)
+    cv2.circle(pixels, (160, 120), radius, (20, 20, 200), -1)
+    with pytest.raises(Unmeasurable, match="no strand"):
+        segment(Photo(pixels))
+
+
+def test_scattered_colours_are_no_colour():
+    scattered = np.random.default_rng(0).uniform(-300, 300, (400, 3))
+    centres, colours = find_colours(scattered, scattered, 10)
+    assert centres.shape == colours.shape == (0, 3)
