@@ -2,8 +2,8 @@
 
     python benchmarks/imaging_helix.py [RENDERS]
 
-RENDERS (200) is the number of varied photographs for the coverage of the intervals; each is drawn,
-segmented and measured from its pixels, in about 2 s on one core.
+RENDERS (60) is the number of varied photographs for the coverage of the intervals; each is drawn,
+segmented and measured from its pixels, in about 3 s on one core.
 """
 
 import sys
@@ -188,4 +188,4 @@ if __name__ == "__main__":
     hands()
     tilts()
     kinks()
-    coverage(int(sys.argv[1]) if len(sys.argv) > 1 else 200)
+    coverage(int(sys.argv[1]) if len(sys.argv) > 1 else 60)

@@ -20,7 +20,7 @@ from imaging.helix_count import (
     strand_radius,
 )
 from imaging.helix_edges import Edges, find_edges
-from imaging.helix_fit import PENALISED, Fit, fit
+from imaging.helix_fit import PENALISED, Fit, first_prior, fit, fit_best, widened
 from imaging.helix_measurement import HelixMeasurement, Start, measurement_of
 from imaging.helix_model import Layout, Model, knots, offsets
 from imaging.helix_pair import pair_membership, rough_radius, twisted_pair
@@ -31,6 +31,7 @@ from imaging.segment import Segmentation, segment
 Array = np.ndarray
 Mask = np.ndarray
 THIN = 2.5  # px; strands thinner than this have no middle to measure
+END = 0.25  # pitch; cut ends and clamps are no helix
 
 
 def helix(
@@ -152,20 +153,22 @@ def _fit_all(membership: np.ndarray, start: Start, hidden: Mask) -> tuple[Fit, E
     model = _first_model(start, membership.shape[1:])
     s = start.axis.s
     valid = ~start.spread & ~hidden
-    valid &= (s > 2 * start.r) & (s < s[-1] - 2 * start.r)
+    end = max(2 * start.r, END * start.pitch)
+    valid &= (s > end) & (s < s[-1] - end)
     valid &= _long_enough(valid, start)
     if not valid.any():
         raise Unmeasurable(
-            "no stretch of half a pitch shows the strands twisted at a steady radius; "
+            "no stretch of a pitch shows the strands twisted at a steady radius; "
             "nothing can be measured"
         )
     held = _held(model, valid)
     edges = find_edges(membership, model, valid, max(2.0, 0.7 * start.r))
-    fitted = fit(model, edges, held)
-    for _ in range(2):
-        edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
-        fitted = fit(fitted.model, edges, held, fitted.prior, rounds=4)
-    return fitted, edges, valid
+    fitted = fit(model, edges, first_prior(model, held))
+    edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
+    fitted = fit_best(fitted, edges)
+    edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
+    fitted = fit(fitted.model, edges, fitted.prior, rounds=4)
+    return widened(fitted, edges), edges, valid
 
 
 def _first_model(start: Start, shape: tuple[int, ...]) -> Model:
@@ -186,12 +189,12 @@ def _first_model(start: Start, shape: tuple[int, ...]) -> Model:
 
 
 def _long_enough(valid: Mask, start: Start) -> Mask:
-    """Keep stretches of at least half a pitch that hold a crossing."""
+    """Keep stretches of at least a pitch that hold a crossing."""
     edges = np.flatnonzero(np.diff(np.r_[0, valid.astype(int), 0]))
     keep = np.zeros_like(valid)
     for a, b in edges.reshape(-1, 2):
         inside = (start.turns.s >= start.axis.s[a]) & (start.turns.s <= start.axis.s[b - 1])
-        if b - a > 0.5 * start.pitch and inside.any():
+        if b - a > start.pitch and inside.any():
             keep[a:b] = True
     return keep
 

@@ -1,8 +1,7 @@
 """Which edges of two twisted strands can be seen, and where they lie to a fraction of a pixel.
 
-The strand in front shows both edges. The strand behind shows its outer edge only, and its inner
-one where a gap opens. Centroids of what is visible are biased by the hidden part (at R = r by a
-quarter of the radius); these edges are not.
+The strand in front shows both edges, the strand behind its outer edge only. Centroids of what is
+visible are biased by the hidden part (at R = r by a quarter of the radius); these edges are not.
 """
 
 from dataclasses import dataclass, fields
@@ -16,7 +15,7 @@ from imaging.helix_model import Model, outlines
 Array = np.ndarray
 SLIVER = 2.5  # px; a narrower strip of one strand is blurred into its neighbours
 RIM = 1.0  # px; how far the rear strand must stick out for its outer edge to be the pair's
-HIDDEN, OUTER, GAP, CONTACT = range(4)
+HIDDEN, OUTER, CONTACT = range(3)
 STEP = 0.5  # px between samples across an edge
 
 
@@ -35,7 +34,7 @@ class Edges:
     side : (n,) int array
         +1 towards the axis normal, -1 away from it.
     border : (n,) int array
-        OUTER, GAP or CONTACT.
+        OUTER or CONTACT.
     steepness : (n,) array
         Fall of the membership across the edge [1/px].
     """
@@ -49,8 +48,8 @@ class Edges:
 
     @property
     def kind(self) -> np.ndarray:
-        """Which of the four effective radii applies: strand, + 2 if in contact."""
-        return self.strand + 2 * (self.border == CONTACT)
+        """Which of the eight effective radii applies: the track, + 4 if in contact."""
+        return self.track + 4 * (self.border == CONTACT)
 
     @property
     def track(self) -> np.ndarray:
@@ -87,14 +86,14 @@ def find_edges(membership: np.ndarray, model: Model, valid: np.ndarray, gate: fl
                 border[k, j] == kind, (k, 2 * j - 1, kind), gate)
         for k in (0, 1)
         for j in (0, 1)
-        for kind in (OUTER, GAP, CONTACT)
+        for kind in (OUTER, CONTACT)
     ]  # fmt: skip
     every = Edges(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
     return every.sorted()
 
 
 def visible(across: Array, a_in_front: np.ndarray) -> np.ndarray:
-    """Tell what lies beyond each edge: background (OUTER, GAP), a strand (CONTACT), or HIDDEN.
+    """Tell what lies beyond each edge: background (OUTER), a strand (CONTACT), or HIDDEN.
 
     Parameters
     ----------
@@ -105,8 +104,9 @@ def visible(across: Array, a_in_front: np.ndarray) -> np.ndarray:
     Returns
     -------
     (2, 2, n) int array
-        OUTER: nothing but background beyond. GAP: background, then the other strand. CONTACT: the
-        other strand. HIDDEN also where blur mixes two of these.
+        OUTER: nothing but background beyond. CONTACT: the other strand. HIDDEN also where blur
+        mixes the two, and where a gap lies between the strands: too little background shows in it
+        to tell how much of a pixel it covers (edges there erred by 0.35 px, always the same way).
     """
     border = np.full(across.shape, HIDDEN)
     for k, front in ((0, a_in_front), (1, ~a_in_front)):
@@ -116,8 +116,6 @@ def visible(across: Array, a_in_front: np.ndarray) -> np.ndarray:
             border[k, j, front & (beyond > SLIVER) & (gap < 0.0)] = CONTACT
             border[k, j, front & (beyond < -RIM)] = OUTER
             border[1 - k, j, front & (beyond > RIM)] = OUTER
-            border[k, j, front & (gap > SLIVER)] = GAP
-            border[1 - k, 1 - j, front & (gap > SLIVER)] = GAP
     return border
 
 

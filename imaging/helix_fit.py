@@ -8,20 +8,24 @@ points err together, so the noise variance that enters is the one of independent
 residuals' variance times their correlation length along the edge.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
+from scipy.ndimage import minimum_filter1d
 from scipy.sparse import csr_matrix, diags, hstack
+from scipy.special import digamma, gammaln
 
-from imaging.helix_edges import Edges
+from imaging.helix_edges import OUTER, Edges
 from imaging.helix_model import Model, basis, feet, positions
 
 Array = np.ndarray
 TUKEY = 4.685
-STEPPED = ("phi", "mid", "R")  # may change abruptly: at a step, a kink, a tine
-TAIL = 1.0  # degrees of freedom of those changes
+ABRUPT, SMOOTH = 1.0, np.inf  # degrees of freedom of those changes: few and large, or many
+BLIND = 2  # knots by which the place of an abrupt change may be missed
+SHADED = 0.2  # px; by which light from one side may move the two edges of a strand apart
 LEAST_NOISE = 1e-3  # px
+UPDATES = 4  # of the prior, each step
 PENALISED = {"phi": 2, "mid": 2, "R": 1}  # block -> order of the difference
 EVEN = 1e6  # largest ratio of a penalty to the information in the data
 
@@ -30,19 +34,25 @@ EVEN = 1e6  # largest ratio of a penalty to the information in the data
 class Prior:
     """How stiff each block of unknowns is: sum of weight * local * difference^2.
 
-    Differences of the phase may be few and large, as where the link density steps: they are taken
-    to follow Student's distribution with TAIL degrees of freedom, so that the local weight falls
-    where a step is seen and the rest stays smooth.
+    There is one weight for each block and each ``group`` of differences, the stretches between
+    gaps: what a tine has combed need not be as even as what it has not.
+
+    Differences may be few and large, as where the link density steps: they are taken to follow
+    Student's distribution with ABRUPT degrees of freedom, so that the local weight falls where a
+    step is seen and the rest stays smooth. Those of the phase have ``tail`` degrees of freedom:
+    where the link density varies smoothly, a Gaussian's (SMOOTH) describe them.
     """
 
     differences: dict[str, Array]
-    weights: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PENALISED, 1.0))
+    groups: dict[str, np.ndarray]
+    tail: float = ABRUPT
+    weights: dict[str, Array] = field(default_factory=dict)
     local: dict[str, Array] = field(default_factory=dict)
 
     def penalties(self) -> dict[str, Array]:
         """Return D' diag(weight * local) D of each block."""
         return {
-            name: self.weights[name] * (d.T * self.local.get(name, 1.0)) @ d
+            name: (d.T * (self.weights.get(name, 1.0) * self.local.get(name, 1.0))) @ d
             for name, d in self.differences.items()
         }
 
@@ -61,12 +71,36 @@ class Prior:
             here = self.local.get(name, np.ones(len(d)))
             spread = np.einsum("ij,jk,ik->i", d, covariance[name], d, optimize=True)
             size = (d @ beta[name]) ** 2
-            old = self.weights[name]
-            free = max(len(d) - old * float(here @ spread), 1e-6 * len(d))
-            weights[name] = min(free / max(float(here @ size), 1e-300), stiffest[name])
-            if name in STEPPED:
-                local[name] = (TAIL + 1) / (TAIL + weights[name] * (size + spread))
-        return Prior(self.differences, weights, local)
+            group = self.groups[name]
+            count, held, seen = (
+                np.bincount(group, value)
+                for value in (
+                    np.ones(len(d)),
+                    self.weights.get(name, 1.0) * here * spread,
+                    here * size,
+                )
+            )
+            free = np.maximum(count - held, 1e-6 * count)
+            weight = np.minimum(free / np.maximum(seen, 1e-300), stiffest[name])
+            weights[name] = weight[group]
+            tail = self.tails[name]
+            if np.isfinite(tail):
+                local[name] = (tail + 1) / (tail + weights[name] * (size + spread))
+        return replace(self, weights=weights, local=local)
+
+    @property
+    def tails(self) -> dict[str, float]:
+        """Degrees of freedom of each block's differences."""
+        return dict.fromkeys(PENALISED, ABRUPT) | {"phi": self.tail}
+
+    def blunted(self) -> "Prior":
+        """Return the prior with abrupt changes possible wherever one is within BLIND knots.
+
+        The local weights say where a change is as if its place were known.
+        """
+        size = 2 * BLIND + 1
+        local = {name: minimum_filter1d(here, size) for name, here in self.local.items()}
+        return replace(self, local=local)
 
 
 @dataclass(frozen=True)
@@ -102,13 +136,37 @@ class Fit:
     residual: Array
 
 
-def fit(
-    model: Model,
-    edges: Edges,
-    held: dict[str, np.ndarray],
-    prior: "Prior | None" = None,
-    rounds: int = 6,
-) -> Fit:
+def fit_best(smooth: Fit, edges: Edges, rounds: int = 6) -> Fit:
+    """Fit again, with smooth and with abrupt changes of phase; return the more probable fit."""
+    smooth = fit(smooth.model, edges, smooth.prior, rounds)
+    # From a slack prior, or the smooth fit would hold the local weights alike.
+    abrupt = fit(
+        smooth.model,
+        edges,
+        Prior(smooth.prior.differences, smooth.prior.groups, ABRUPT),
+        2 * rounds,
+    )
+    _, _, precision = _noise(smooth.residual, edges)
+    gain = evidence(abrupt, edges, precision) - evidence(smooth, edges, precision)
+    return abrupt if gain > 0 else smooth
+
+
+def first_prior(model: Model, held: dict[str, np.ndarray]) -> Prior:
+    """Return the prior to start from.
+
+    Parameters
+    ----------
+    model : Model
+    held : dict
+        For each penalised block, the differences (bool) to penalise; False in gaps, so that what
+        lies before and behind a tine is fitted apart.
+    """
+    stiff = {name: _differences(model, name, held[name]) for name in PENALISED}
+    groups = {name: _groups(held[name]) for name in PENALISED}
+    return Prior(stiff, groups, SMOOTH)
+
+
+def fit(model: Model, edges: Edges, prior: Prior, rounds: int = 6) -> Fit:
     """Fit a model to edges.
 
     Parameters
@@ -116,15 +174,11 @@ def fit(
     model : Model
         Where to start; must be within about a quarter turn.
     edges : Edges
-    held : dict
-        For each penalised block, the differences (bool) to penalise; False in gaps, so that what
-        lies before and behind a tine is fitted apart.
-    prior : Prior, optional
-        Penalty weights to start from.
+    prior : Prior
+        Differences to penalise, and the penalty weights to start from.
     rounds : int
         Gauss-Newton steps.
     """
-    prior = prior or Prior({name: _differences(model, name, held[name]) for name in PENALISED})
     for _ in range(rounds):
         residual, design = _linearised(model, edges)
         noise, correlation, precision = _noise(residual, edges)
@@ -136,6 +190,29 @@ def fit(
     blur = 0.4 / float(np.median(edges.steepness))
     residual, _ = _linearised(model, edges)
     return Fit(model, covariance, prior, freedom, noise, correlation, blur, residual)
+
+
+def misfit(fitted: Fit, edges: Edges, s: Array, reach: float) -> Array:
+    """How much further than typical the outer edges within ``reach`` of ``s`` miss the outline.
+
+    Mean distance over the one that Gaussian noise would give, at least 1: where the strands are
+    not as the model has them, as where they leave the picture's plane, its errors grow alike.
+    """
+    outer = edges.border == OUTER
+    place, size = edges.s[outer], np.abs(fitted.residual[outer])
+    total = np.concatenate([[0.0], np.cumsum(size)])
+    first, last = (np.searchsorted(place, s + side * reach) for side in (-1, 1))
+    mean = (total[last] - total[first]) / np.maximum(last - first, 1)
+    return np.maximum(mean / (np.sqrt(2 / np.pi) * 1.4826 * np.median(size)), 1.0)
+
+
+def widened(fitted: Fit, edges: Edges) -> Fit:
+    """Return a fit whose covariance holds that the places of abrupt changes are not known."""
+    residual, design = _linearised(fitted.model, edges)
+    _, _, precision = _noise(residual, edges)
+    information = (design.T @ diags(precision) @ design).toarray()
+    wide = _inverse(_stiffened(fitted.model, information, fitted.prior.blunted()))
+    return replace(fitted, covariance=wide)
 
 
 def _linearised(model: Model, edges: Edges) -> tuple[Array, csr_matrix]:
@@ -159,7 +236,7 @@ def _linearised(model: Model, edges: Edges) -> tuple[Array, csr_matrix]:
             + diags(turn) @ basis(model.layout.mid, s, 1),
             diags(e * (across * c + along * v.lean * d)) @ basis(model.layout.R, s),
             csr_matrix((e * v.R * along * d)[:, None] * model.leaning(s)),
-            csr_matrix(np.eye(4)[edges.kind]),
+            csr_matrix(np.eye(8)[edges.kind]),
         ],
         format="csr",
     )
@@ -206,21 +283,21 @@ def _differences(model: Model, name: str, held: np.ndarray) -> Array:
     return np.diff(np.eye(size), n=PENALISED[name], axis=0)[held]
 
 
+def _groups(held: np.ndarray) -> np.ndarray:
+    """Return the number of the run that each held difference belongs to."""
+    return np.unique(np.cumsum(~held)[held], return_inverse=True)[1]
+
+
 def _penalised(
     model: Model, information: Array, target: Array, prior: Prior
 ) -> tuple[Array, Array, Prior]:
     """Solve the penalised normal equations, re-estimating the prior: beta, covariance, prior."""
     blocks = model.layout.blocks
     diagonal = np.diag(information)
-    # Unseen stretches have neither data nor penalty: hold them where they are.
-    ridge = 1e-9 * diagonal + 1e-9 * diagonal.mean()
-    for _ in range(2):
-        matrix = information + np.diag(ridge)
-        for name, penalty in prior.penalties().items():
-            matrix[blocks[name], blocks[name]] += penalty
-        factor = cho_factor(matrix)
-        covariance = cho_solve(factor, np.eye(len(matrix)))
-        beta = cho_solve(factor, target + ridge * model.beta)
+    ridge = _ridge(information)
+    for _ in range(UPDATES):
+        covariance = _inverse(_stiffened(model, information, prior))
+        beta = covariance @ (target + ridge * model.beta)
         stiffest = {name: EVEN * diagonal[blocks[name]].max() for name in PENALISED}
         prior = prior.updated(
             {name: beta[blocks[name]] for name in PENALISED},
@@ -228,6 +305,63 @@ def _penalised(
             stiffest,
         )
     return beta, covariance, prior
+
+
+def _ridge(information: Array) -> Array:
+    """Hold where they are unseen stretches, which have neither data nor penalty."""
+    diagonal = np.diag(information)
+    return 1e-9 * diagonal + 1e-9 * diagonal.mean()
+
+
+def _stiffened(model: Model, information: Array, prior: Prior) -> Array:
+    """Add the prior to the information in the data."""
+    blocks = model.layout.blocks
+    matrix = information + np.diag(_ridge(information))
+    for name, penalty in prior.penalties().items():
+        matrix[blocks[name], blocks[name]] += penalty
+    sides = np.kron(np.eye(4), [[1.0, -1.0], [-1.0, 1.0]])
+    matrix[blocks["radii"], blocks["radii"]] += sides / (2 * SHADED**2)
+    return matrix
+
+
+def _inverse(matrix: Array) -> Array:
+    return cho_solve(cho_factor(matrix), np.eye(len(matrix)))
+
+
+def evidence(fitted: Fit, edges: Edges, precision: Array) -> float:
+    """Log probability of the edges under the prior (a lower bound), but for a constant.
+
+    Unknowns are Gaussian; local weights follow Gamma(n/2, n/2), which makes the differences
+    Student's with n degrees of freedom (Tipping & Lawrence, Neurocomputing 69 (2005)). The bound
+    holds for any mean and covariance of the unknowns, so fits may be compared at one precision.
+    """
+    model, covariance, prior = fitted.model, fitted.covariance, fitted.prior
+    residual, design = _linearised(model, edges)
+    information = (design.T @ diags(precision) @ design).toarray()
+    bound = -0.5 * float(precision @ residual**2) - 0.5 * float(np.sum(covariance * information))
+    bound += 0.5 * float(np.linalg.slogdet(covariance)[1])
+    for name, d in prior.differences.items():
+        where = model.layout.blocks[name]
+        spread = np.einsum("ij,jk,ik->i", d, covariance[where, where], d, optimize=True)
+        weight, tail = prior.weights[name], prior.tails[name]
+        size = weight * ((d @ model.beta[where]) ** 2 + spread)
+        bound += float(np.sum(0.5 * np.log(weight) + _gain(size, tail)))
+        # Where the prior alone decides, the bound is loose by as much as at size 1.
+        undecided = float(np.sum(weight * prior.local.get(name, 1.0) * spread))
+        bound -= undecided * float(_gain(np.array(1.0), tail) - _gain(np.array(1.0), SMOOTH))
+    return bound
+
+
+def _gain(size: Array, tail: float) -> Array:
+    """E[log(u)/2 - u size/2] - KL(u) of local weights u with their best distribution."""
+    if np.isinf(tail):
+        return -0.5 * size
+    a, b, a0 = (tail + 1) / 2, (tail + size) / 2, tail / 2
+    log_u = digamma(a) - np.log(b)
+    apart = (
+        (a - a0) * digamma(a) - gammaln(a) + gammaln(a0) + a0 * np.log(b / a0) + a * (a0 / b - 1)
+    )
+    return 0.5 * log_u - 0.5 * a / b * size - apart
 
 
 def _freedom(model: Model, information: Array, covariance: Array) -> dict[str, float]:

@@ -9,14 +9,15 @@ import pandas as pd
 from imaging.helix_axis import Axis
 from imaging.helix_count import HalfTurns
 from imaging.helix_edges import Edges
-from imaging.helix_fit import Fit
+from imaging.helix_fit import Fit, misfit
 from imaging.helix_model import Model, basis
 
 Array = np.ndarray
 Mask = np.ndarray
 STEEP = np.radians(5.0)  # a lean out of the picture that the user should hear of
 SHADING = 0.1  # px; by which shading moves edges alike at every crossing (measured on drawings)
-MISFIT = 4.0  # times the noise; where half of the edges lie further off, no helix is
+MISFIT = 3.0  # times the typical distance of edges from the outline; further off, no helix is
+HIDDEN = 0.5  # pitch; a longer gap may hide a whole turn
 
 
 @dataclass(frozen=True)
@@ -142,9 +143,10 @@ def measurement_of(
     t = np.arange(0.0, model.axis.s[-1], max(start.r, 2.0))
     arc = stretch * _arclength(model)
     s = np.interp(t, model.table.s, arc)
-    resolved = _resolved(t, fitted, edges, valid, start.pitch)
-    phase = _phase_table(fitted, t, s, resolved, per_pixel)
-    link = _link_table(fitted, t, s, resolved, stretch, length_sd)
+    wider = misfit(fitted, edges, t, start.pitch / 4)
+    resolved = _resolved(t, edges, valid, wider, start.pitch)
+    phase = _phase_table(fitted, t, s, resolved, per_pixel, wider)
+    link = _link_table(fitted, t, s, resolved, stretch, length_sd, wider)
     phase.attrs |= {"unit": unit, "knot_s": t}
     link.attrs |= {"unit": unit, "resolution": _resolution(fitted, s, resolved)}
     return HelixMeasurement(
@@ -208,41 +210,63 @@ def _lean(fitted: Fit) -> tuple[float, float]:
     return float(np.arcsin(sine)), float(sd / np.sqrt(1 - sine**2))
 
 
-def _resolved(t: Array, fitted: Fit, edges: Edges, valid: Mask, pitch: float) -> Mask:
+def _resolved(t: Array, edges: Edges, valid: Mask, wider: Array, pitch: float) -> Mask:
     """Where sections are valid, and edges within an eighth of a pitch are there and fit."""
-    order = np.argsort(edges.s)
-    place = edges.s[order]
+    place = np.sort(edges.s)
     first, last = (np.searchsorted(place, t + side * pitch / 8) for side in (-1, 1))
-    misfit = np.cumsum(np.r_[0, np.abs(fitted.residual[order]) > MISFIT * fitted.noise])
-    count = last - first
-    bad = (misfit[last] - misfit[first]) / np.maximum(count, 1)
     here = valid[np.minimum(np.rint(t).astype(int), len(valid) - 1)]
-    return here & (count > pitch / 8) & (bad < 0.5)
+    return here & (last - first > pitch / 8) & (wider < MISFIT)
 
 
-def _phase_table(fitted: Fit, t: Array, s: Array, resolved: Mask, per_pixel: float) -> pd.DataFrame:
+def _phase_table(
+    fitted: Fit, t: Array, s: Array, resolved: Mask, per_pixel: float, wider: Array
+) -> pd.DataFrame:
+    """Phase and radius; ``wider`` multiplies their sd."""
     model, v = fitted.model, fitted.model.at(t)
     points = np.column_stack([np.interp(t, model.table.s, model.table.axis[:, i]) for i in (0, 1)])
     frame = pd.DataFrame({
         "s": s,
         "phi": v.phi,
-        "sd": _sd(fitted, "phi", t),
+        "sd": wider * _sd(fitted, "phi", t),
         "R": per_pixel * v.R,
-        "R_sd": per_pixel * _sd(fitted, "R", t),
+        "R_sd": per_pixel * wider * _sd(fitted, "R", t),
     })  # fmt: skip
     frame[~resolved] = np.nan
     return frame.assign(s=s, x=points[:, 0], y=points[:, 1], resolved=resolved)
 
 
 def _link_table(
-    fitted: Fit, t: Array, s: Array, resolved: Mask, stretch: float, common: float
+    fitted: Fit, t: Array, s: Array, resolved: Mask, stretch: float, common: float, wider: Array
 ) -> pd.DataFrame:
-    """Link density phi'/2 pi per length of the axis; ``common`` is that length's relative sd."""
+    """Link density per length of the axis; ``common`` is that length's relative sd."""
     table = fitted.model.table
     per_length = 1 / (2 * np.pi * stretch * np.interp(t, table.s, table.speed))
-    link = np.where(resolved, fitted.model.at(t).dphi * per_length, np.nan)
-    sd = np.where(resolved, _sd(fitted, "phi", t, 1) * per_length, np.nan)
+    turning, frame = (
+        np.interp(t, table.s, np.gradient(along, table.s))
+        for along in (_heading(fitted.model), _frame_turn(fitted.model))
+    )
+    link = np.where(resolved, (fitted.model.at(t).dphi + frame) * per_length, np.nan)
+    sd = np.hypot(wider * _sd(fitted, "phi", t, 1), np.sin(_lean(fitted)[1]) * turning)
+    sd = np.where(resolved, sd * per_length, np.nan)
     return pd.DataFrame({"s": s, "link": link, "sd": np.hypot(sd, common * link)})
+
+
+def _heading(model: Model) -> Array:
+    """Direction of the axis in the picture [rad], at the model's table."""
+    x, y = model.table.tangents.T
+    return np.unwrap(np.arctan2(y, x))
+
+
+def _frame_turn(model: Model) -> Array:
+    """Angle [rad] by which the picture's normal has turned about an axis that leans and bends.
+
+    The phase is counted from that normal, which turns about the tangent by the sine of the lean
+    times the change of heading, as the meridian does along a circle of latitude; link is counted
+    in the frame that does not turn.
+    """
+    heading, sine = _heading(model), model.at(model.table.s).lean
+    steps = 0.5 * (sine[1:] + sine[:-1]) * np.diff(heading)
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _sd(fitted: Fit, name: str, t: Array, derivative: int = 0) -> Array:
@@ -258,8 +282,13 @@ def _turns(fitted: Fit, start: float, end: float) -> tuple[float, float]:
     where = fitted.model.layout.blocks["phi"]
     design = basis(fitted.model.layout.phi, np.array([start, end])).toarray()
     difference = (design[1] - design[0]) / (2 * np.pi)
-    variance = difference @ fitted.covariance[where, where] @ difference
-    return float(difference @ fitted.model.part("phi")), float(np.sqrt(max(variance, 0.0)))
+    variance = max(float(difference @ fitted.covariance[where, where] @ difference), 0.0)
+    heading, frame = (
+        np.diff(np.interp([start, end], fitted.model.table.s, along))[0] / (2 * np.pi)
+        for along in (_heading(fitted.model), _frame_turn(fitted.model))
+    )
+    turns = float(difference @ fitted.model.part("phi") + frame)
+    return turns, float(np.hypot(np.sqrt(variance), np.sin(_lean(fitted)[1]) * heading))
 
 
 def _resolution(fitted: Fit, s: Array, resolved: Mask) -> float:
@@ -302,6 +331,12 @@ def _warnings(
     said += [
         f"not resolved from s = {s[a]:.4g} to {s[min(b, len(s) - 1)]:.4g} {unit}" for a, b in gaps
     ]
+    longest = max((s[b - 1] - s[a] for a, b in gaps if a > 0 and b < len(s)), default=0.0)
+    if longest > HIDDEN * start.pitch * s[-1] / start.axis.s[-1]:
+        said.append(
+            "more than half a pitch lies in a gap: whole turns hidden there are missing from the "
+            "total link"
+        )
     if fitted.noise > 0.1 * start.r:
         said.append(f"edges scatter by {fitted.noise:.2f} px about the helix; is it one?")
     return said

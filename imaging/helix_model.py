@@ -44,9 +44,9 @@ class Layout:
 
     @cached_property
     def blocks(self) -> dict[str, slice]:
-        """Slices of the unknowns ``phi``, ``mid``, ``R``, ``lean`` (2) and ``radii`` (4)."""
+        """Slices of the unknowns ``phi``, ``mid``, ``R``, ``lean`` (2) and ``radii`` (8)."""
         sizes = {name: len(getattr(self, name)) - 4 for name in ("phi", "mid", "R")}
-        sizes |= {"lean": 2, "radii": 4}
+        sizes |= {"lean": 2, "radii": 8}
         ends = np.cumsum(list(sizes.values()))
         return {
             name: slice(int(end) - size, int(end))
@@ -132,7 +132,7 @@ def basis(knot: Array, s: Array, derivative: int = 0) -> csr_array:
 def outlines(model: Model) -> Array:
     """Offsets (2, 2, n) at which the tubes' lower and upper edges cross each section [px].
 
-    The tube radius is the mean of the four effective radii.
+    The tube radius is the mean of the eight effective radii.
     """
     table, axis, r = model.table, model.axis, float(model.part("radii").mean())
     across = np.empty((2, 2, len(axis.s)))

@@ -5,7 +5,7 @@ import pytest
 
 from imaging.helix_axis import axis_through, find_axis
 from imaging.helix_count import HalfTurns, Look, first_phase, half_turns
-from imaging.helix_edges import CONTACT, GAP, HIDDEN, OUTER, visible
+from imaging.helix_edges import CONTACT, HIDDEN, OUTER, visible
 from imaging.helix_fit import _correlation
 from imaging.helix_model import Layout, Model, basis, feet, knots, outlines, positions
 from imaging.helix_pair import twisted_pair
@@ -112,8 +112,8 @@ def test_edges_of_a_strand_fully_in_front():
 
 def test_edges_of_strands_apart():
     border = visible(across(-20.0, 20.0), np.array([True]))
-    assert border[0, :, 0].tolist() == [OUTER, GAP]
-    assert border[1, :, 0].tolist() == [GAP, OUTER]
+    assert border[0, :, 0].tolist() == [OUTER, HIDDEN]
+    assert border[1, :, 0].tolist() == [HIDDEN, OUTER]
 
 
 def straight_model(length=400.0, r=6.0, pitch=100.0, lean=0.0):
