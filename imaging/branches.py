@@ -9,6 +9,7 @@ from skimage.morphology import skeletonize
 TRIM = 0.5  # strand widths at each end of a skeleton, where it turns into a corner
 REACH = 3.0  # strand widths over which the direction of an end is fitted
 SPECK = 1.5  # strand widths; a shorter piece has no direction to speak of
+PINHOLE = 0.1  # strand widths; half the gap that is closed
 CLEAR = 0.9  # strand widths cleared around a junction of the skeleton
 
 
@@ -48,11 +49,20 @@ def branches(mask: np.ndarray, width: float) -> list[np.ndarray]:
     if w == 0:
         return []
     crop = np.pad(mask[y0 : y0 + h, x0 : x0 + w], 1)
-    skeleton = _without_spurs(skeletonize(crop), width)
+    skeleton = _without_spurs(skeletonize(_without_pinholes(crop, width)), width)
     cut = skeleton & ~_near(_junctions(skeleton), CLEAR * width)
     origin = np.array([x0 - 1, y0 - 1])
     paths = [path for path in _paths(cut) if len(path) >= max(4, SPECK * width)]
     return [_trimmed(path, width) + origin for path in paths]
+
+
+def _without_pinholes(mask: np.ndarray, width: float) -> np.ndarray:
+    """Close gaps narrower than a fifth of a strand, round which a skeleton would run in a ring."""
+    side = 2 * int(PINHOLE * width) + 1
+    if side == 1:
+        return mask
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
+    return cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, kernel) > 0
 
 
 def _neighbours(skeleton: np.ndarray) -> np.ndarray:

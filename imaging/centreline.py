@@ -61,8 +61,8 @@ def edges(
     reach = int(np.ceil(1.5 * width / step))
     across = step * np.arange(-reach, reach + 1)
     at = line[:, None] + across[None, :, None] * normals(line)[:, None]
-    profile = _sample(own, at)
-    other = _sample(strand, at) - profile
+    profile = sample(own, at)
+    other = sample(strand, at) - profile
     middle = _nearest_inside(profile, reach, SEARCH * width / step)
     beyond = int(np.ceil(BEYOND / step))
     high = _edge(profile, other, middle, beyond)
@@ -70,8 +70,8 @@ def edges(
     return (low - reach) * step, (high - reach) * step
 
 
-def _sample(field: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Bilinear values of `field` at points (n, m, 2), 0 outside."""
+def sample(field: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return bilinear values (n, m) of `field` at points (n, m, 2), 0 outside."""
     points = at.astype(np.float32)
     # cv2.remap takes pictures of at most 32767 rows
     blocks = [

@@ -13,17 +13,19 @@ TURN = 0.30  # rad; typical turn between an end's direction and the chord to its
 TURN_PER_WIDTH = 0.02  # rad more for each strand width of gap
 PLACE = 0.2  # strand widths; how well the place of an end is known
 EXPOSED = 6.0  # cost of each strand width of a join that should be seen but is not
+OWN = 2.0  # cost of each strand width of a join under what is seen of its own colour
 DISTANCE = 0.1  # cost of each strand width of gap
 FARTHEST = 60.0  # strand widths
 
 
 def join(
-    ends: list[End], lengths: np.ndarray, covered: np.ndarray, width: float
+    ends: list[End], lengths: np.ndarray, covered: np.ndarray, own: np.ndarray, width: float
 ) -> list[tuple[int, int]]:
     """Choose the joins of least total cost.
 
     A join costs its bending (turn at both ends over what is usual for its length), the length
-    that runs over open background, and a little for its length. Each end is joined at most once.
+    that runs over open background or under its own colour, where it would have to cross itself,
+    and a little for its length. Each end is joined at most once.
     The best set is a maximum-weight matching (Edmonds' blossom algorithm).
 
     Parameters
@@ -33,6 +35,8 @@ def join(
         Length of the piece each end belongs to [px].
     covered : (h, w) bool array
         Where a strand may hide: under any strand.
+    own : (h, w) bool array
+        Where the colour of these pieces is seen.
     width : float
         Strand width [px].
 
@@ -43,14 +47,14 @@ def join(
     """
     spare = GIVE_UP * np.minimum(1, np.asarray(lengths) / (LONG * width))
     graph = nx.Graph()
-    for i, j, gain in _candidates(ends, spare, covered, width):
+    for i, j, gain in _candidates(ends, spare, covered, own, width):
         graph.add_edge(i, j, weight=gain)
     joins = [(min(a, b), max(a, b)) for a, b in nx.max_weight_matching(graph)]
     return _without_rings(sorted(joins), graph, ends)
 
 
 def _candidates(
-    ends: list[End], spare: np.ndarray, covered: np.ndarray, width: float
+    ends: list[End], spare: np.ndarray, covered: np.ndarray, own: np.ndarray, width: float
 ) -> list[tuple[int, int, float]]:
     """Pairs of ends whose join costs less than leaving both, and how much less."""
     if len(ends) < 4:
@@ -63,8 +67,10 @@ def _candidates(
     gain = spare[i] + spare[j] - bend - DISTANCE * gap / width
     good = (gain > 0) & (gap < FARTHEST * width)
     found = []
+    bare = ~covered
     for a, b, most in zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True):
-        left = most - EXPOSED * _open_length(bridge(ends[a], ends[b]), covered) / width
+        path = bridge(ends[a], ends[b])
+        left = most - (EXPOSED * _length(path, bare) + OWN * _length(path, own)) / width
         if left > 0:
             found.append((a, b, left))
     return found
@@ -103,12 +109,12 @@ def bridge(a: End, b: End) -> np.ndarray:
     )
 
 
-def _open_length(path: np.ndarray, covered: np.ndarray) -> int:
-    """Pixels of a path that lie on open background."""
+def _length(path: np.ndarray, where: np.ndarray) -> int:
+    """Pixels of a path that lie where a mask is true."""
     x, y = np.round(path).astype(int).T
-    height, across = covered.shape
+    height, across = where.shape
     inside = (x >= 0) & (y >= 0) & (x < across) & (y < height)
-    return int((inside & ~covered[y.clip(0, height - 1), x.clip(0, across - 1)]).sum())
+    return int((inside & where[y.clip(0, height - 1), x.clip(0, across - 1)]).sum())
 
 
 def _without_rings(

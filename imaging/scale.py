@@ -16,6 +16,7 @@ CORNER_SD = 0.15  # px; refined marker corners
 EDGE_BIAS = 0.15  # of the width; -15 % on white, +12 % on black, measured on rendered tubes
 CLICK_SD = 0.7  # px; a ruler's end read off the screen
 WHITE_MARGIN = 0.35  # of a marker's side: its white rim, and what blur spreads of it
+LONGEST = 2000  # px; longer pictures are shrunk to look for markers that only have to be hidden
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
 FORMS = "40px/mm, marker:20mm, plane:20mm, filament:0.85mm or ruler:x0,y0,x1,y1=50mm"
 
@@ -131,6 +132,19 @@ def find_marker(photo: Photo) -> np.ndarray:
         f"{photo.source}: no ArUco marker found ({', '.join(DICTIONARIES)}); "
         "show one whole and sharp, or state the scale in another way"
     )
+
+
+def without_markers(photo: Photo) -> Photo:
+    """Return the photograph with its ArUco markers, if any, to be ignored: they are no strands."""
+    shrink = max(1.0, max(photo.shape) / LONGEST)
+    size = [round(side / shrink) for side in photo.shape[::-1]]
+    small = cv2.resize(photo.pixels, size, interpolation=cv2.INTER_AREA)
+    grey = (small.mean(axis=2) * (255 / np.iinfo(photo.pixels.dtype).max)).astype(np.uint8)
+    for name in DICTIONARIES:
+        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+        for corners in cv2.aruco.ArucoDetector(dictionary).detectMarkers(grey)[0]:
+            photo = _without(photo, shrink * corners.reshape(4, 2).astype(float))
+    return photo
 
 
 def _without(photo: Photo, corners: np.ndarray) -> Photo:

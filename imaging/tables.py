@@ -17,6 +17,7 @@ from imaging.scale import (
     from_marker,
     from_ruler,
     stated,
+    without_markers,
 )
 from imaging.segment import Segmentation, segment
 from imaging.trace import Strand, trace
@@ -80,6 +81,8 @@ def measure(photo: Photo, request: Request | None = None, n_sec: int = 20) -> Me
     scale = None
     if request is not None and request.kind in ("marker", "plane"):
         scale, photo = from_marker(photo, *request.numbers, perspective=request.kind == "plane")
+    else:
+        photo = without_markers(photo)
     segmentation = segment(photo)
     strands = trace(segmentation, photo)
     if request is not None and scale is None:

@@ -11,13 +11,13 @@ import cv2
 import numpy as np
 
 from imaging.branches import End, branches, ends_of
-from imaging.centreline import arclength, refine
+from imaging.centreline import arclength, normals, refine, sample
 from imaging.matching import bridge, chains, join
 from imaging.photo import Photo
 from imaging.segment import Segmentation
 
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
-BOTH = 3.0  # strand widths on which both edges must be seen; else it is the rim of another
+WHOLE = 3.0  # strand widths on which most of the width must be seen; else it is another's rim
 SHARE = 0.3  # of the longest strand of the same colour; a shorter piece is a remnant
 
 
@@ -79,13 +79,20 @@ def _strands_of(
     paths = [_centred(path, own, coverage, width) for path in branches(mask, width)]
     ends = ends_of(paths, width)
     lengths = np.repeat([arclength(path)[-1] for path in paths], 2)
-    found = chains(len(paths), join(ends, lengths, covered, width))
+    found = chains(len(paths), join(ends, lengths, covered, mask, width))
     lines = [_connected(walk, paths, ends) for walk in found]
     strands = [
         _strand(line, own, coverage, segmentation.labels, width, colour)
         for line in _long_enough(lines, width)
     ]
-    return [strand for strand in strands if (strand.edges == 2).sum() > BOTH * width]
+    return [strand for strand in strands if _whole(strand, own, width).sum() > WHOLE * width]
+
+
+def _whole(strand: Strand, own: np.ndarray, width: float) -> np.ndarray:
+    """Where most of a strand's width is seen: both edges, or its colour well to both sides."""
+    aside = 0.35 * width * normals(strand.line)
+    beside = np.stack([strand.line - aside, strand.line + aside], axis=1)
+    return (strand.edges == 2) | (sample(own, beside) >= 0.5).all(axis=1)
 
 
 def _centred(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: float) -> np.ndarray:

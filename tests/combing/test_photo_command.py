@@ -131,3 +131,12 @@ def test_help_shows_an_example(capsys):
     assert run("photo", "--help") == 0
     told = capsys.readouterr().out
     assert "\n    combing photo curl.jpg --scale marker:20mm -o out/\n" in told
+
+
+def test_a_twisted_pair_beside_a_marker_is_two_strands(tmp_path):
+    """The marker is no strand, whether or not the scale is taken from it."""
+    photo = Path(__file__).parents[2] / "data" / "photos" / "synthetic_helix_before.jpg"
+    assert run("photo", photo, "-o", tmp_path, "--quiet") == 0
+    record = json.loads((tmp_path / "provenance.json").read_text())
+    assert record["summary"]["strands"] == 2
+    assert record["summary"]["colours"] == 2

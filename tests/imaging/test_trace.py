@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 
 from imaging import Photo, crossings, segment, trace
 from imaging.centreline import resample
+from imaging.helix_synthetic import draw_helix
 from imaging.synthetic import Look, random_curl, render
 
 RED, GREEN, BLUE = (0.85, 0.1, 0.2), (0.1, 0.6, 0.25), (0.1, 0.3, 0.8)
@@ -70,6 +71,21 @@ def test_loop_is_one_strand_that_crosses_itself():
     assert table["kind"].tolist() == ["self"]
     assert table["over"].isna().all()
     assert distance(strands[0].line, line)[5:-5].max() < 1
+
+
+@pytest.mark.parametrize("background", [(235, 235, 230), (25, 25, 25)], ids=["light", "dark"])
+@pytest.mark.parametrize("radius", [4, 8, 12])
+def test_a_twisted_pair_is_two_strands(radius, background):
+    """From end to end, but for the last half turn of whichever is behind there."""
+    drawn = draw_helix(
+        radius, lambda s: 1 / (18 * radius), 90 * radius, phase=1, background=background, rng=1
+    )
+    strands = trace(segment(Photo(drawn.pixels)))
+    assert len(strands) == 2
+    for strand in strands:
+        errors = [distance(strand.line, truth[:, :2]) for truth in drawn.strands]
+        assert min(np.percentile(error, 95) for error in errors) < 0.4 * radius
+        assert np.ptp(strand.line[:, 1]) > (90 - 18) * radius
 
 
 def test_ends_are_free_clipped_or_hidden():
