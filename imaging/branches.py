@@ -94,7 +94,7 @@ def _without_spurs(skeleton: np.ndarray, width: float) -> np.ndarray:
     bound = np.bincount(number[_near(knots, 1.5) & ~knots], minlength=len(short)) > 0
     spur = short & loose & bound
     spur[0] = False
-    return skeletonize(skeleton & ~spur[number])
+    return skeletonize(skeleton & ~spur[number]) if spur.any() else skeleton
 
 
 def _paths(cut: np.ndarray) -> list[np.ndarray]:

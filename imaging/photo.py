@@ -56,7 +56,8 @@ class Photo:
 
     def rgb(self) -> np.ndarray:
         """Return sRGB-coded float32 in [0, 1], shape (h, w, 3)."""
-        return self.pixels.astype(np.float32) / np.iinfo(self.pixels.dtype).max
+        full = np.float32(np.iinfo(self.pixels.dtype).max)
+        return np.divide(self.pixels, full, dtype=np.float32)
 
 
 def read_photo(

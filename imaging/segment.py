@@ -150,7 +150,8 @@ def _coverage(
     source: str, lab: np.ndarray, background: np.ndarray, ignore: np.ndarray | None
 ) -> tuple[np.ndarray, float]:
     """How much of each pixel a strand covers (h, w), and the typical strand width [px]."""
-    contrast = np.sqrt(((lab - background) ** 2).sum(axis=2))
+    away = lab - background
+    contrast = np.sqrt(np.einsum("ijk,ijk->ij", away, away))
     if ignore is not None:
         contrast[ignore] = 0
     smooth = cv2.blur(contrast, (3, 3))
@@ -269,9 +270,11 @@ def _with_enough(
 
 def _membership(labels: np.ndarray, coverage: np.ndarray, count: int) -> np.ndarray:
     """Coverage of each colour: shared out by who owns the nearest strand pixels."""
-    membership = np.empty((count, *labels.shape), np.float32)
+    y, x = np.nonzero(coverage)
+    wide = np.pad(labels, 1, mode="reflect").astype(np.int16)
+    around = np.stack([wide[y + i, x + j] for i in range(3) for j in range(3)])
+    part = coverage[y, x] / np.maximum((around > 0).sum(axis=0), 1)
+    membership = np.zeros((count, *labels.shape), np.float32)
     for colour in range(count):
-        membership[colour] = cv2.blur((labels == colour + 1).astype(np.float32), (3, 3))
-    total = membership.sum(axis=0)
-    membership *= np.divide(coverage, total, out=np.zeros_like(total), where=total > 0)
+        membership[colour, y, x] = part * (around == colour + 1).sum(axis=0)
     return membership
