@@ -11,7 +11,8 @@ residuals' variance times their correlation length along the edge.
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cholesky
+from scipy.linalg.lapack import dpotri
 from scipy.ndimage import minimum_filter1d
 from scipy.sparse import csr_matrix, diags, hstack
 from scipy.special import digamma, gammaln
@@ -325,7 +326,9 @@ def _stiffened(model: Model, information: Array, prior: Prior) -> Array:
 
 
 def _inverse(matrix: Array) -> Array:
-    return cho_solve(cho_factor(matrix), np.eye(len(matrix)))
+    """Inverse of a symmetric positive definite matrix."""
+    lower = np.tril(dpotri(cholesky(matrix, lower=True), lower=1)[0])
+    return lower + np.tril(lower, -1).T
 
 
 def evidence(fitted: Fit, edges: Edges, precision: Array) -> float:
