@@ -157,7 +157,7 @@ class Scene(Part):
     tines: list[Tine] = []
     rotary_inertia: Literal["section", "element"] = "section"
     time_step: Positive | None = None
-    safety: Annotated[float, Field(gt=0, le=1)] = 0.6
+    safety: Annotated[float, Field(gt=0, le=1)] = 0.75
     output: Output = Output()
     seed: int = 0
 

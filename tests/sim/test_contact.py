@@ -248,6 +248,32 @@ def test_friction_holds_below_its_angle_and_lets_slide_above_it():
         assert sliding(mu, slope) == pytest.approx(expected, rel=0.03)
 
 
+def sliding_over_a_tine(mu, slope):
+    """Let a strand lie across a tine, gravity inclined by `slope`; return its acceleration."""
+    tine = Tine(position=(0, 0, 0), axis=(0, 1, 0), length=0.02, radius=4 * R, direction=(0, 1, 0),
+                insertion=0.0, speed=1e-9, travel=1.0)  # fmt: skip
+    # Long, so that it hardly pitches under friction, which acts a radius below its middle.
+    free = strand(line([0, 0, 5 * R], [1, 0, 0], 10e-3, 20))
+    gravity = (9.81 * math.sin(slope), 0, -9.81 * math.cos(slope))
+    march = Explicit(
+        scene(free, tines=[tine], gravity=gravity, friction=Friction(forward=mu, backward=mu))
+    )
+    march.advance(int(1e-3 / march.dt))  # until it bears on the tine
+    at, start = march.state.nodes(0), march.time
+    before = march.state.row("V0")[at].mean()
+    march.advance(int(3e-3 / march.dt))
+    return (march.state.row("V0")[at].mean() - before) / (march.time - start)
+
+
+def test_friction_on_a_tine_holds_below_its_angle_and_lets_slide_above_it():
+    mu = 0.3
+    angle = math.atan(mu)
+    assert abs(sliding_over_a_tine(mu, 0.5 * angle)) < 0.1 * 9.81 * math.sin(0.5 * angle)
+    slope = 3 * angle
+    expected = 9.81 * (math.sin(slope) - mu * math.cos(slope))
+    assert sliding_over_a_tine(mu, slope) == pytest.approx(expected, rel=0.1)
+
+
 def test_tine_feels_what_it_gives():
     """Reaction on the tine = rate of change of the momentum of a free strand it hits."""
     tine = Tine(position=(0, 0, 0), axis=(0, 1, 0), length=0.02, radius=2 * R, direction=(0, 0, -1),
