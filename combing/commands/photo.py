@@ -81,7 +81,8 @@ def command(
     paths = _expand(files)
     request = parse_scale(scale) if scale else None
     options = Options(scale, n_sec, _parse_roi(roi), ignore)
-    output.mkdir(parents=True, exist_ok=True)
+    if len(paths) > 1:  # one photograph alone makes no folder before it is measured
+        output.mkdir(parents=True, exist_ok=True)
     folders = _folders(paths, output)
     rows = []
     for path, folder in tqdm(

@@ -140,3 +140,8 @@ def test_a_twisted_pair_beside_a_marker_is_two_strands(tmp_path):
     record = json.loads((tmp_path / "provenance.json").read_text())
     assert record["summary"]["strands"] == 2
     assert record["summary"]["colours"] == 2
+
+
+def test_a_photograph_that_cannot_be_measured_leaves_no_folder(pictures, tmp_path):
+    assert run("photo", pictures / "dot.png", "-o", tmp_path / "out") == 2
+    assert not (tmp_path / "out").exists()

@@ -75,7 +75,7 @@ def test_the_same_scene_gives_the_same_run_to_the_last_bit():
 
 def test_an_effect_with_zero_coefficient_is_as_good_as_absent():
     absent = sim.double_helix(pi1=24, turns=2, q=1, elements_per_pitch=8)
-    absent = absent.model_copy(update={"duration": 0.002, "damping": None})
+    absent = absent.model_copy(update={"duration": 2e-4, "damping": None})
     zero = absent.model_copy(
         update={
             "gravity": (0.0, 0.0, 0.0),
