@@ -155,7 +155,7 @@ def _coverage(
     if ignore is not None:
         contrast[ignore] = 0
     smooth = cv2.blur(contrast, (3, 3))
-    noise = float(np.median(smooth))
+    noise = float(np.median(smooth[::3, ::3]))  # the blur ties three neighbours together
     threshold = max(NOISE_FACTOR * noise, MIN_CONTRAST)
     coarse = smooth > threshold
     if not coarse.any():
@@ -276,5 +276,8 @@ def _membership(labels: np.ndarray, coverage: np.ndarray, count: int) -> np.ndar
     part = coverage[y, x] / np.maximum((around > 0).sum(axis=0), 1)
     membership = np.zeros((count, *labels.shape), np.float32)
     for colour in range(count):
-        membership[colour, y, x] = part * (around == colour + 1).sum(axis=0)
+        share = (around == colour + 1).sum(axis=0)
+        # Only where the colour is: pages of a large picture that stay zero are never touched.
+        own = share > 0
+        membership[colour, y[own], x[own]] = part[own] * share[own]
     return membership
