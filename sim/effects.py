@@ -47,8 +47,7 @@ def friction(scene: Scene) -> contact_kernel.Friction | None:
     if scene.friction is None:
         return None
     line_density = min(rod.material.density * math.pi * rod.radius**2 for rod in scene.rods)
-    shortest = 1.0  # the spring of a contact scales with its length, its damping with the root
-    viscous = 2 * SLIP_DAMPING * math.sqrt(line_density * shortest)
+    viscous = 2 * SLIP_DAMPING * math.sqrt(line_density)
     return contact_kernel.Friction(scene.friction.forward, scene.friction.backward, viscous)
 
 

@@ -90,7 +90,6 @@ def test_link_is_twist_plus_writhe_for_ribbons_on_a_trefoil(reference, row):
     t = np.linspace(0, 2 * np.pi, 2401)
     radius = 2 + np.cos(3 * t)
     curve = np.column_stack([radius * np.cos(2 * t), radius * np.sin(2 * t), np.sin(3 * t)])
-    tangent = np.gradient(curve[:-1], axis=0)
     tangent = np.roll(curve[:-1], -1, axis=0) - np.roll(curve[:-1], 1, axis=0)
     tangent = np.vstack([tangent, tangent[:1]])
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
