@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from sim import effects, timestep
-from sim.errors import SceneError, Unstable
+from sim.diagnosis import unstable
+from sim.errors import SceneError
 from sim.kernels import march as march_kernel
 from sim.kernels import neighbours
 from sim.scene import Scene
@@ -73,7 +74,7 @@ class Explicit:
             if status == march_kernel.STALE:
                 self._rebuild()
             elif status == march_kernel.UNSTABLE:
-                raise self._unstable()
+                raise unstable(self)
 
     def _rebuild(self) -> None:
         """List the pairs that may touch, making room when there are more than before."""
@@ -107,18 +108,6 @@ class Explicit:
         load = self.tines.load.copy()
         self.tines.load[:] = 0
         return load
-
-    def _unstable(self) -> Unstable:
-        speed = np.linalg.norm(self.state.rows("V0 V1 V2"), axis=0)
-        worst = int(np.argmax(np.where(np.isfinite(speed), speed, np.inf)))
-        rod = int(np.searchsorted(self.state.first, worst, side="right") - 1)
-        element = worst - self.state.first[rod]
-        return Unstable(
-            f"unstable at t = {self.time:.6g} s: node {element} of rod {rod} moves at "
-            f"{speed[worst]:.3g} m/s, a good part of an element per step of {self.dt:.3g} s; "
-            "lower `safety`, the tine's speed or the contact stiffness",
-            self.time, rod, element,
-        )  # fmt: skip
 
 
 def explicit(scene: Scene) -> Explicit:
