@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from sim.kernels import contact as contact_kernel
+from sim.kernels import ends as ends_kernel
 from sim.kernels import march as march_kernel
 from sim.kernels import tine as tine_kernel
-from sim.scene import Scene
+from sim.scene import End, Motion, Scene, Tine
 from sim.state import State
 
 SOFTNESS = 0.3  # default line stiffness of contact as a fraction of Young's modulus
@@ -17,10 +19,11 @@ SLIP_DAMPING = 0.2  # of critical, for the spring that stands for sticking
 
 
 def stiffness(scene: Scene) -> float | None:
-    """Return the line stiffness of contact [N/m^2], None without contact."""
-    if scene.contact is None:
+    """Return the line stiffness of contact [N/m^2], None where nothing can touch."""
+    if scene.contact is None and not scene.tines:
         return None
-    return scene.contact.stiffness or SOFTNESS * min(rod.material.E for rod in scene.rods)
+    given = scene.contact.stiffness if scene.contact is not None else None
+    return given or SOFTNESS * min(rod.material.E for rod in scene.rods)
 
 
 def gravity(scene: Scene) -> march_kernel.Gravity | None:
@@ -43,12 +46,25 @@ def viscous(scene: Scene) -> float | None:
 
 
 def friction(scene: Scene) -> contact_kernel.Friction | None:
-    """Return the coefficients, if any."""
+    """Return the coefficients between rods, if any."""
     if scene.friction is None:
         return None
+    return _coulomb(scene, scene.friction.forward, scene.friction.backward)
+
+
+def tine_friction(scene: Scene) -> contact_kernel.Friction | None:
+    """Return the coefficients on tines, if any."""
+    if scene.friction is None or not scene.tines:
+        return None
+    if scene.friction.tine is None:
+        return _coulomb(scene, scene.friction.forward, scene.friction.backward)
+    return _coulomb(scene, scene.friction.tine, scene.friction.tine)
+
+
+def _coulomb(scene: Scene, forward: float, backward: float) -> contact_kernel.Friction:
     line_density = min(rod.material.density * math.pi * rod.radius**2 for rod in scene.rods)
-    viscous = 2 * SLIP_DAMPING * math.sqrt(line_density)
-    return contact_kernel.Friction(scene.friction.forward, scene.friction.backward, viscous)
+    damping = 2 * SLIP_DAMPING * math.sqrt(line_density)
+    return contact_kernel.Friction(forward, backward, damping, np.zeros(1))
 
 
 def contact(scene: Scene, state: State) -> contact_kernel.Contact | None:
@@ -84,19 +100,80 @@ def _overhang(state: State, reach: float) -> np.ndarray:
 
 def tines(scene: Scene, state: State) -> tine_kernel.Tines | None:
     """Return all tines of the scene, if any."""
-    if not scene.tines:
+    line_stiffness = stiffness(scene)
+    if not scene.tines or line_stiffness is None:
         return None
     m = len(scene.tines)
     geometry = np.array(
         [[*t.position, *_unit(t.axis), t.length / 2, t.radius] for t in scene.tines]
     )
-    motion = np.array(
-        [[*_unit(t.direction), t.insertion, t.ramp, t.speed, t.travel] for t in scene.tines]
-    )
-    line_stiffness = stiffness(scene) or SOFTNESS * min(rod.material.E for rod in scene.rods)
     slip = np.zeros((m, state.n if scene.friction else 1, 3))
     return tine_kernel.Tines(
-        line_stiffness, geometry, motion, np.zeros((m, 8)), np.zeros((m, 3)), slip
+        line_stiffness, geometry, np.array([_program(t) for t in scene.tines]),
+        np.zeros((m, 7)), np.zeros((m, 3)), np.zeros(1), slip,
+    )  # fmt: skip
+
+
+def _program(tine: Tine) -> list[float]:
+    there = [tine.travel, tine.speed, tine.ramp_at(tine.speed)] if tine.travel > 0 else [0.0] * 3
+    back = [tine.retract, tine.ramp_at(tine.retract)] if tine.retract > 0 else [0.0] * 2
+    return [*_unit(tine.direction), tine.insertion, *there, tine.dwell, *back]
+
+
+def _ends(scene: Scene, state: State) -> Iterator[tuple[End, int, int, int]]:
+    """Yield every end of every rod with its node, its element and the frame of its clamp."""
+    for number, rod in enumerate(scene.rods):
+        first, last = state.first[number], state.first[number] + state.elements[number]
+        yield rod.root, first, first, first - 1
+        yield rod.tip, last, last - 1, last
+
+
+def driven(scene: Scene, state: State) -> ends_kernel.Driven | None:
+    """Return the ends with a prescribed motion, if any."""
+    found = [each for each in _ends(scene, state) if each[0].motion is not None]
+    if not found:
+        return None
+    motion = np.array([_course(end.motion) for end, *_ in found if end.motion is not None])
+    ghost = [ghost if end.hold == "clamped" else -1 for end, _, _, ghost in found]
+    return ends_kernel.Driven(
+        np.array([node for _, node, _, _ in found]), np.array(ghost), motion,
+        np.zeros(1), np.zeros((len(found), 3)),
+    )  # fmt: skip
+
+
+def _course(motion: Motion) -> list[float]:
+    end = math.inf if motion.duration is None else motion.start + motion.duration
+    return [*motion.velocity, *motion.spin, motion.start, motion.ramp, end]
+
+
+def pulled(scene: Scene, state: State) -> ends_kernel.Pulled | None:
+    """Return the ends under dead loads, if any."""
+    found = [each for each in _ends(scene, state) if each[0].load is not None]
+    if not found:
+        return None
+    loads = [
+        [*end.load.force, *end.load.couple, *(end.load.through or [math.nan] * 3), end.load.ramp]
+        for end, *_ in found
+        if end.load is not None
+    ]
+    return ends_kernel.Pulled(
+        np.array([node for _, node, _, _ in found]), np.array([at for _, _, at, _ in found]),
+        np.array(loads), np.zeros(1),
+    )  # fmt: skip
+
+
+def all_effects(scene: Scene, state: State, dt: float) -> march_kernel.Effects:
+    """Return every effect that the scene names, for steps of dt [s]."""
+    return march_kernel.Effects(
+        keep=damping(scene, dt),
+        viscous=viscous(scene),
+        gravity=gravity(scene),
+        contact=contact(scene, state),
+        friction=friction(scene),
+        tines=tines(scene, state),
+        tine_friction=tine_friction(scene),
+        driven=driven(scene, state),
+        pulled=pulled(scene, state),
     )
 
 

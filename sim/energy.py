@@ -42,9 +42,9 @@ def _stretch_energy(state: State, rod: int) -> float:
 
 def _bend_energy(state: State, rod: int) -> float:
     at = state.nodes(rod)
-    # The ghost before a clamped root is the clamp's frame.
-    frames = directors(state, slice(at.start - 1, at.stop - 1))
-    vertices = slice(at.start, at.stop - 1)
+    # The ghosts before the root and after the tip are the frames of clamps.
+    frames = directors(state, slice(at.start - 1, at.stop))
+    vertices = at
     inverse = state.row("INV_VORONOI")[vertices]
     turn = -Rotation.from_matrix(frames[1:] @ frames[:-1].transpose(0, 2, 1)).as_rotvec()
     strain = turn * inverse[:, None] - state.rows("K0 K1 K2").T[vertices]

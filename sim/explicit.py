@@ -9,6 +9,8 @@ from sim.diagnosis import unstable
 from sim.errors import SceneError
 from sim.kernels import march as march_kernel
 from sim.kernels import neighbours
+from sim.kernels.contact import Contact, Friction
+from sim.kernels.tine import Tines
 from sim.scene import Scene
 from sim.state import build
 
@@ -36,15 +38,10 @@ class Explicit:
         )
         self.dt = timestep.choose_step(scene, self.limit) if dt is None else dt
         self.steps = 0
-        self.gravity = effects.gravity(scene)
-        self.keep = effects.damping(scene, self.dt)
-        self.viscous = effects.viscous(scene)
-        self.friction = effects.friction(scene)
-        self.contact = effects.contact(scene, self.state)
-        self.tines = effects.tines(scene, self.state)
+        self.effects = effects.all_effects(scene, self.state, self.dt)
         lengths = self.state.row("LENGTH")
         self._fastest = (SPEED_LIMIT * lengths[lengths > 0].min() / self.dt) ** 2
-        if self.contact is not None:
+        if self.effects.contact is not None:
             size = 1 << int(np.ceil(np.log2(2 * self.state.n)))
             self._heads = np.zeros(size, np.int64)
             self._following = np.zeros(self.state.n, np.int64)
@@ -66,8 +63,7 @@ class Explicit:
         left = steps
         while left > 0:
             taken, status = march_kernel.march(
-                self.state.buf, self.state.n, self.time, self.dt, left, self._fastest,
-                self.keep, self.viscous, self.gravity, self.contact, self.friction, self.tines,
+                self.state.buf, self.state.n, self.time, self.dt, left, self._fastest, self.effects
             )  # fmt: skip
             self.steps += taken
             left -= taken
@@ -78,24 +74,40 @@ class Explicit:
 
     def _rebuild(self) -> None:
         """List the pairs that may touch, making room when there are more than before."""
-        old = self.contact
+        old, friction = self.effects.contact, self.effects.friction
         assert old is not None
         start, partner = np.zeros_like(old.start), np.zeros_like(old.partner)
         count = self._build(start, partner)
         if count > partner.size:
             partner = np.zeros(2 * count, np.int64)
             self._build(start, partner)
-        slip = np.zeros((partner.size if self.friction is not None else 1, 3))
-        if self.friction is not None:
+        slip = np.zeros((partner.size if friction is not None else 1, 3))
+        if friction is not None:
             neighbours.carry_slip(
                 self.state.n, old.start, old.partner, old.slip, start, partner, slip
             )
-        self.contact = old._replace(start=start, partner=partner, slip=slip)
+        contact = old._replace(start=start, partner=partner, slip=slip)
+        self.effects = self.effects._replace(contact=contact)
 
     def _build(self, start: np.ndarray, partner: np.ndarray) -> int:
         return neighbours.build_list(
             self.state.buf, self.state.n, self.contact, self._heads, self._following, start, partner
         )
+
+    @property
+    def contact(self) -> Contact | None:
+        """Contact between rods with its neighbour list, if the scene has it."""
+        return self.effects.contact
+
+    @property
+    def tines(self) -> Tines | None:
+        """The tines as they are now, if there are any."""
+        return self.effects.tines
+
+    @property
+    def friction(self) -> Friction | None:
+        """Friction between rods, if the scene has it."""
+        return self.effects.friction
 
     def tine_travel(self) -> np.ndarray:
         """Return how far every tine has moved [m], (m,)."""

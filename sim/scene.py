@@ -71,6 +71,53 @@ class RandomCurvature(Part):
     correlation: NotNegative = 0.01
 
 
+class Motion(Part):
+    """Prescribed motion of a held end: `velocity` [m/s] of its node, `spin` [rad/s] about it.
+
+    Both rise smoothly over `ramp` [s] from `start` [s] on and fall again at the end of `duration`
+    [s]; without a duration they last as long as the run. `spin` turns a clamp about a fixed axis.
+    """
+
+    velocity: Vector = (0.0, 0.0, 0.0)
+    spin: Vector = (0.0, 0.0, 0.0)
+    start: NotNegative = 0.0
+    ramp: NotNegative = 0.01
+    duration: Positive | None = None
+
+
+class Load(Part):
+    """Dead load on an end: `force` [N] and `couple` [N m] in fixed directions.
+
+    The force acts at the end's node or, with `through`, along the line through that point [m]: it
+    then turns the end about the line as well, as a wrench on the axis of a helix does. The load
+    grows smoothly over `ramp` [s].
+    """
+
+    force: Vector = (0.0, 0.0, 0.0)
+    couple: Vector = (0.0, 0.0, 0.0)
+    through: Vector | None = None
+    ramp: NotNegative = 0.0
+
+
+class End(Part):
+    """One end of a rod: how it is held, how it is moved, what pulls on it.
+
+    A clamp holds position and direction, a pin the position alone.
+    """
+
+    hold: Literal["clamped", "pinned", "free"] = "free"
+    motion: Motion | None = None
+    load: Load | None = None
+
+    @model_validator(mode="after")
+    def _held_or_loaded(self) -> End:
+        if self.motion is not None and self.hold == "free":
+            raise ValueError('motion needs an end that is held: hold = "clamped" or "pinned"')
+        if self.load is not None and self.hold == "clamped":
+            raise ValueError('a load does nothing on a clamped end: hold = "free" or "pinned"')
+        return self
+
+
 class Rod(Part):
     """One strand. `rest` says which shape carries no stress: the drawn one, or a straight rod."""
 
@@ -80,7 +127,8 @@ class Rod(Part):
     material: Material
     rest: Literal["drawn", "straight"] = "drawn"
     curvature: RandomCurvature | None = None
-    clamp: Literal["root", "free"] = "root"
+    root: End = End(hold="clamped")
+    tip: End = End()
 
 
 class Contact(Part):
@@ -97,10 +145,14 @@ class Contact(Part):
 
 
 class Friction(Part):
-    """Coulomb coefficients of a strand that slides root to tip, and tip to root, over a body."""
+    """Coulomb coefficients of a strand that slides root to tip, and tip to root, over a body.
+
+    `tine` is the coefficient on tines, either way, where it differs from that between strands.
+    """
 
     forward: NotNegative
     backward: NotNegative
+    tine: NotNegative | None = None
 
 
 class Damping(Part):
@@ -118,23 +170,47 @@ class Damping(Part):
 class Tine(Part):
     """Rigid cylinder: inserted by growing to `radius` at `position`, then driven along `direction`.
 
-    Lengths [m], `insertion` and `ramp` times [s], `speed` [m/s], `travel` [m].
+    It travels at `speed` [m/s], which rises and falls over `ramp` [s], dwells [s], and retracts the
+    way it came at the speed `retract` [m/s] if there is one. Without `travel` it stays in place.
+    Lengths [m], `insertion` a time [s].
     """
 
     position: Vector
     axis: Vector
     length: Positive
     radius: Positive
-    direction: Vector
+    direction: Vector = (0.0, 0.0, -1.0)
     insertion: NotNegative = 0.05
-    ramp: Positive = 0.02
-    speed: Positive
-    travel: Positive
+    ramp: NotNegative = 0.02
+    speed: NotNegative = 0.0
+    travel: NotNegative = 0.0
+    dwell: NotNegative = 0.0
+    retract: NotNegative = 0.0
+
+    @model_validator(mode="after")
+    def _moves_or_stays(self) -> Tine:
+        if (self.speed > 0) != (self.travel > 0):
+            raise ValueError(
+                f"speed = {self.speed:g} with travel = {self.travel:g}: a tine that moves needs "
+                "both, one that stays neither"
+            )
+        for name in ("axis", "direction"):
+            if not any(getattr(self, name)):
+                raise ValueError(f"{name} = (0, 0, 0): a direction needs a length")
+        return self
 
     @property
     def duration(self) -> float:
-        """Time from the start of the insertion to the end of the travel [s]."""
-        return self.insertion + 0.5 * self.ramp + self.travel / self.speed
+        """Time from the start of the insertion to the end of the last motion [s]."""
+        total = self.insertion + self.dwell
+        for speed in (self.speed, self.retract):
+            if self.travel > 0 and speed > 0:
+                total += self.travel / speed + self.ramp_at(speed)
+        return total
+
+    def ramp_at(self, speed: float) -> float:
+        """Return the time to reach `speed` [s], short enough to fit twice into the travel."""
+        return min(self.ramp, self.travel / speed)
 
 
 class Output(Part):
@@ -163,8 +239,8 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _friction_needs_contact(self) -> Scene:
-        if self.friction is not None and self.contact is None:
-            raise ValueError("friction acts where rods touch: add a [contact] table")
+        if self.friction is not None and self.contact is None and not self.tines:
+            raise ValueError("friction acts where bodies touch: add a [contact] table or a tine")
         return self
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sim import shapes
 from sim.errors import SceneError
 from sim.kernels import layout
-from sim.scene import Helix, Material, Rod, Scene, Straight
+from sim.scene import End, Helix, Material, Rod, Scene, Straight
 
 Array = NDArray[np.float64]
 
@@ -77,8 +77,8 @@ def build(scene: Scene) -> State:
         There are more elements than the buffer holds, or a rod has an element without length.
     """
     elements = [_element_count(rod) for rod in scene.rods]
-    # Index 0 is a ghost, so that every node has an element before it.
-    first = list(1 + np.concatenate([[0], np.cumsum(np.array(elements[:-1], int) + 1)]).astype(int))
+    # A ghost element before every root and after every tip: the frames of their clamps.
+    first = list(1 + np.concatenate([[0], np.cumsum(np.array(elements[:-1], int) + 2)]).astype(int))
     n = int(first[-1] + elements[-1] + 1)
     if n >= layout.CAPACITY:
         raise SceneError(f"rods: {sum(elements)} elements; at most {layout.CAPACITY} fit")
@@ -126,8 +126,8 @@ def _fill_rod(state: State, number: int, rod: Rod, scene: Scene) -> None:
     _fill_vertices(
         state, at, rod, lengths, directors, np.random.default_rng([scene.seed, 2, number])
     )
-    if rod.clamp == "root":
-        _clamp(state, at.start, rod, lengths[0], directors[0])
+    _hold(state, rod, rod.root, at.start, at.start - 1, lengths[0], directors[0])
+    _hold(state, rod, rod.tip, at.stop - 1, at.stop - 1, lengths[-1], directors[-1])
 
 
 def _fill_elements(state: State, at: slice, rod: Rod, lengths: Array, rotary_inertia: str) -> None:
@@ -175,19 +175,25 @@ def _fill_vertices(
         state.row(f"K{axis}")[inner] = rest[:, axis]
 
 
-def _clamp(state: State, root: int, rod: Rod, length: float, directors: Array) -> None:
-    """Hold the root node, and bend the first half element against a frame that stands still.
+def _hold(
+    state: State, rod: Rod, end: End, node: int, ghost: int, length: float, directors: Array
+) -> None:
+    """Hold an end's node, and bend its half element against a ghost, the clamp's frame.
 
-    The ghost before the root is that frame. Holding the first element itself would leave its half
-    of the bending out, an error of first order: 6 % of a cantilever's deflection at 32 elements.
+    Holding the element itself would leave its half of the bending out, an error of first order: 6 %
+    of a cantilever's deflection at 32 elements.
     """
-    state.row("INV_MASS")[root] = 0.0
+    if end.hold == "free":
+        return
+    state.row("INV_MASS")[node] = 0.0
+    if end.hold == "pinned":
+        return
     for axis in range(3):
         for k in range(3):
-            state.row(f"Q{axis}{k}")[root - 1] = directors[axis, k]
+            state.row(f"Q{axis}{k}")[ghost] = directors[axis, k]
     bend, twist = rigidities(rod.material, rod.radius)
-    state.row("INV_VORONOI")[root] = 2 / length
-    state.row("BEND")[root], state.row("TWIST")[root] = bend, twist
+    state.row("INV_VORONOI")[node] = 2 / length
+    state.row("BEND")[node], state.row("TWIST")[node] = bend, twist
 
 
 def rigidities(material: Material, radius: float) -> tuple[float, float]:

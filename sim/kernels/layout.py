@@ -1,8 +1,9 @@
 """Where each quantity lives: rows of one float64 buffer with a constant pitch.
 
 All rods lie one after another. Node i has element i between it and node i + 1, and vertex i between
-elements i - 1 and i. The element between the last node of a rod and the first of the next is a
-ghost: its coefficients are zero, so loops run over everything without a branch.
+elements i - 1 and i. Between the last node of a rod and the first of the next are a node without
+mass and two ghost elements, the frames of their clamps: their coefficients are zero, so loops run
+over everything without a branch.
 
 The row pitch is a compile-time constant, so the compiler sees that two rows never overlap and
 vectorises without alias checks: 2 ns per element for the internal forces of an element against

@@ -6,7 +6,8 @@ An absent effect is ``None``; the compiler prunes its branch, so it costs nothin
 from typing import NamedTuple
 
 from sim.kernels.compiled import kernel
-from sim.kernels.contact import contact_forces
+from sim.kernels.contact import Contact, Friction, contact_forces
+from sim.kernels.ends import Driven, Pulled, drive, pull, react
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.neighbours import moved_far
 from sim.kernels.rod import (
@@ -17,7 +18,7 @@ from sim.kernels.rod import (
     kick_nodes,
     stretch_and_shear,
 )
-from sim.kernels.tine import place, tine_forces
+from sim.kernels.tine import Tines, place, tine_forces
 
 DONE, STALE, UNSTABLE = 0, 1, 2
 
@@ -30,6 +31,24 @@ class Gravity(NamedTuple):
     z: float
 
 
+class Effects(NamedTuple):
+    """All effects of a scene, None where it has not got one.
+
+    `keep` is the fraction of all velocities that drag lets survive a step, `viscous` the
+    Kelvin-Voigt time [s]. Friction on tines has coefficients of its own.
+    """
+
+    keep: float | None = None
+    viscous: float | None = None
+    gravity: Gravity | None = None
+    contact: Contact | None = None
+    friction: Friction | None = None
+    tines: Tines | None = None
+    tine_friction: Friction | None = None
+    driven: Driven | None = None
+    pulled: Pulled | None = None
+
+
 @kernel
 def weigh(buf, n, gravity):
     """Add the weight of every node."""
@@ -40,17 +59,25 @@ def weigh(buf, n, gravity):
 
 
 @kernel
-def loads(buf, n, dt, viscous, gravity, contact, friction, tines):
-    """Fill all forces and couples at the present positions."""
+def body_loads(buf, n, time, dt, viscous, gravity, pulled):
+    """Fill the internal forces and couples and add weight and end loads."""
     clear_loads(buf, n)
     stretch_and_shear(buf, n, viscous)
     bend_and_twist(buf, n, viscous)
     if gravity is not None:
         weigh(buf, n, gravity)
+    if pulled is not None:
+        pull(buf, pulled, time, dt)
+
+
+@kernel
+def touching_loads(buf, n, time, dt, contact, friction, tines, tine_friction):
+    """Add the forces and couples of everything that touches."""
     if contact is not None:
         contact_forces(buf, n, dt, contact, friction)
     if tines is not None:
-        tine_forces(buf, n, dt, tines, friction)
+        place(tines, time)
+        tine_forces(buf, n, dt, tines, tine_friction)
 
 
 @kernel
@@ -65,6 +92,28 @@ def kick(buf, n, dt, keep):
 
 
 @kernel
+def lead(buf, driven, time):
+    """Set the velocities of the ends with a prescribed motion, if there are any."""
+    if driven is not None:
+        drive(buf, driven, time)
+
+
+@kernel
+def record(buf, driven, dt):
+    """Add up the reactions of the ends with a prescribed motion, if there are any."""
+    if driven is not None:
+        react(buf, driven, dt)
+
+
+@kernel
+def is_stale(buf, n, contact):
+    """Tell whether the neighbour list may miss a contact."""
+    if contact is not None:
+        return moved_far(buf, n, 0.5 * contact.skin)
+    return False
+
+
+@kernel
 def too_fast(buf, n, limit):
     """Count the nodes whose squared speed is not below `limit`; a NaN counts."""
     count = 0
@@ -75,23 +124,26 @@ def too_fast(buf, n, limit):
 
 
 @kernel
-def march(buf, n, time, dt, steps, limit, keep, viscous, gravity, contact, friction, tines):
+def march(buf, n, time, dt, steps, limit, effects):
     """Take up to `steps` steps from `time`; return how many were taken and why it stopped.
 
     STALE: the neighbour list must be rebuilt before the next step. UNSTABLE: after the step counted
     last, a node's squared speed is above `limit` or not a number.
     """
+    keep, viscous, gravity, contact, friction, tines, tine_friction, driven, pulled = effects
     half = 0.5 * dt
     for step in range(steps):
+        middle = time + (step + 0.5) * dt
+        lead(buf, driven, middle)
         drift(buf, n, half)
-        if contact is not None:  # noqa: SIM102  (nested, so that the compiler prunes it)
-            if moved_far(buf, n, 0.5 * contact.skin):
-                drift(buf, n, -half)
-                return step, STALE
-        if tines is not None:
-            place(tines, time + (step + 0.5) * dt)
-        loads(buf, n, dt, viscous, gravity, contact, friction, tines)
+        if is_stale(buf, n, contact):
+            drift(buf, n, -half)
+            return step, STALE
+        body_loads(buf, n, middle, dt, viscous, gravity, pulled)
+        touching_loads(buf, n, middle, dt, contact, friction, tines, tine_friction)
+        record(buf, driven, dt)
         kick(buf, n, dt, keep)
+        lead(buf, driven, middle)  # drag has slowed them too
         drift(buf, n, half)
         if too_fast(buf, n, limit) > 0:
             return step + 1, UNSTABLE

@@ -15,9 +15,11 @@ class Tines(NamedTuple):
     """All tines of a scene.
 
     `geometry` (m, 8): start of the axis' midpoint [m], unit axis, half length and radius [m].
-    `motion` (m, 7): unit direction, insertion time [s], ramp time [s], speed [m/s], travel [m].
-    `now` (m, 8): travel [m], speed [m/s], radius [m], midpoint [m], 2 unused; filled every step.
-    `load` (m, 3): sum over steps of the force on the tine [N]. `slip` (m, n, 3): see friction.
+    `motion` (m, 10): unit direction, insertion time [s], travel [m], speed [m/s] and its ramp [s]
+    on the way there, dwell [s], speed and ramp on the way back. `now` (m, 7): travel [m], speed
+    [m/s], radius [m], midpoint [m], rate of the radius [m/s]; filled every step. `load` (m, 3):
+    sum over steps of the force on the tine [N]. `work` (1,): done by all tines so far [J].
+    `slip` (m, n, 3): see friction.
     """
 
     stiffness: float
@@ -25,22 +27,38 @@ class Tines(NamedTuple):
     motion: np.ndarray
     now: np.ndarray
     load: np.ndarray
+    work: np.ndarray
     slip: np.ndarray
 
 
 @kernel
-def travelled(time, insertion, ramp, speed, travel):
-    """Return how far [m] and how fast [m/s] a tine moves: at rest, a smooth start, steady, stop."""
-    t = time - insertion
+def moved(t, travel, speed, ramp):
+    """Return how far [m] and how fast [m/s] after time t: an even start, steady, an even stop."""
+    steady = travel / speed
     if t <= 0.0:
         return 0.0, 0.0
     if t < ramp:
-        distance, velocity = 0.5 * speed * t * t / ramp, speed * t / ramp
-    else:
-        distance, velocity = speed * (t - 0.5 * ramp), speed
-    if distance >= travel:
+        return 0.5 * speed * t * t / ramp, speed * t / ramp
+    if t < steady:
+        return speed * (t - 0.5 * ramp), speed
+    left = steady + ramp - t
+    if left <= 0.0:
         return travel, 0.0
-    return distance, velocity
+    return travel - 0.5 * speed * left * left / ramp, speed * left / ramp
+
+
+@kernel
+def travelled(time, motion):
+    """Return a tine's travel [m] and speed [m/s]: at rest, there, dwelling, and perhaps back."""
+    travel, speed, ramp, dwell = motion[4], motion[5], motion[6], motion[7]
+    if travel <= 0.0:
+        return 0.0, 0.0
+    t = time - motion[3]
+    back = t - (travel / speed + ramp + dwell)
+    if back > 0.0 and motion[8] > 0.0:
+        distance, velocity = moved(back, travel, motion[8], motion[9])
+        return travel - distance, -velocity
+    return moved(t, travel, speed, ramp)
 
 
 @kernel
@@ -48,9 +66,12 @@ def place(tines, time):
     """Move every tine to where it is at `time`; while being inserted its radius grows smoothly."""
     for m in range(tines.geometry.shape[0]):
         g, motion, now = tines.geometry[m], tines.motion[m], tines.now[m]
-        now[0], now[1] = travelled(time, motion[3], motion[4], motion[5], motion[6])
-        grown = min(time / motion[3], 1.0) if motion[3] > 0.0 else 1.0
-        now[2] = g[7] * grown * grown * (3.0 - 2.0 * grown)
+        now[0], now[1] = travelled(time, motion)
+        now[2], now[6] = g[7], 0.0
+        if time < motion[3]:
+            grown = time / motion[3]
+            now[2] = g[7] * grown * grown * (3.0 - 2.0 * grown)
+            now[6] = g[7] * 6.0 * grown * (1.0 - grown) / motion[3]
         for axis in range(3):
             now[3 + axis] = g[axis] + now[0] * motion[axis]
 
@@ -62,12 +83,21 @@ def tine_forces(buf, n, dt, tines, friction):
         g, now = tines.geometry[m], tines.now[m]
         middle, axis, half = (now[3], now[4], now[5]), (g[3], g[4], g[5]), g[6]
         q0, q1 = along(middle, -half, axis), along(middle, half, axis)
+        before = tine_power(tines, m)
         for a in range(n):
             if passes_near(buf, a, middle, axis, now[2]):
                 reach = buf[RADIUS + a] + now[2]
                 one_tine(buf, a, m, q0, q1, reach, dt, tines, friction)
             elif friction is not None:
                 tines.slip[m, a, 0] = tines.slip[m, a, 1] = tines.slip[m, a, 2] = 0.0
+        tines.work[0] += dt * (tine_power(tines, m) - before)
+
+
+@kernel
+def tine_power(tines, m):
+    """Return the power of a tine's steady motion against all the load summed so far [W]."""
+    motion, load = tines.motion[m], tines.load[m]
+    return -tines.now[m, 1] * (load[0] * motion[0] + load[1] * motion[1] + load[2] * motion[2])
 
 
 @kernel
@@ -98,6 +128,7 @@ def one_tine(buf, a, m, q0, q1, reach, dt, tines, friction):
     force, first_s, _, total, sum_s, sum_t = press(p0, p1, q0, q1, low, high, reach, line)
     push(buf, F0, F1, F2, a, minus(force, first_s), 1.0)
     push(buf, F0, F1, F2, a + 1, first_s, 1.0)
+    tines.work[0] += dt * total * tines.now[m, 6]  # a growing tine pushes along the normal
     if friction is not None and total > 0.0:
         spring = line * (high - low)
         f = rub_tine(buf, a, m, sum_s / total, sum_t / total, total, spring, dt, tines, friction)

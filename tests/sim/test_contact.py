@@ -9,16 +9,16 @@ from sim import effects
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import contact as kernels
-from sim.scene import Contact, Friction, Material, Points, Rod, Scene, Straight, Tine
+from sim.scene import Contact, End, Friction, Material, Points, Rod, Scene, Straight, Tine
 from sim.state import build
 
 NYLON = Material(E=2e8, nu=0.4, density=1140)
 R = 4e-4
 
 
-def strand(nodes, radius=R, clamp="free"):
+def strand(nodes, radius=R, hold="free"):
     shape = Points(nodes=[tuple(map(float, p)) for p in nodes])
-    return Rod(shape=shape, radius=radius, elements=2, material=NYLON, clamp=clamp)
+    return Rod(shape=shape, radius=radius, elements=2, material=NYLON, root=End(hold=hold))
 
 
 def line(middle, direction, length, elements):
@@ -288,7 +288,7 @@ def test_tine_feels_what_it_gives():
 
 def test_a_strand_that_only_passes_is_not_touched():
     rods = [Rod(shape=Straight(root=(x, 0, 0), length=0.01), radius=R, elements=10, material=NYLON,
-                clamp="free") for x in (0, 2.001 * R)]  # fmt: skip
+                root=End(hold="free")) for x in (0, 2.001 * R)]  # fmt: skip
     state = build(scene(*rods))
     march = Explicit(scene(*rods))
     march.advance(100)

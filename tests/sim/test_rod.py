@@ -9,16 +9,16 @@ from scipy.spatial.transform import Rotation
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import layout, rod
-from sim.scene import Damping, Material, Points, Rod, Scene, Straight
+from sim.scene import Damping, End, Material, Points, Rod, Scene, Straight
 from sim.shapes import frames
 from sim.state import build, rigidities
 
 RUBBER = Material(E=1e6, nu=0.5, density=1000)
 
 
-def straight_rod(elements, *, length=0.5, radius=0.01, direction=(1.0, 0.0, 0.0), clamp="root"):
+def straight_rod(elements, *, length=0.5, radius=0.01, direction=(1.0, 0.0, 0.0), hold="clamped"):
     shape = Straight(direction=direction, length=length)
-    return Rod(shape=shape, radius=radius, elements=elements, material=RUBBER, clamp=clamp)
+    return Rod(shape=shape, radius=radius, elements=elements, material=RUBBER, root=End(hold=hold))
 
 
 def crumple(state, *, rng, size=0.3):
@@ -48,7 +48,7 @@ def internal_loads(state):
 
 @pytest.mark.parametrize("size", [0.05, 0.3, 1.0])
 def test_forces_and_couples_are_the_gradient_of_the_elastic_energy(rng, size):
-    state = build(Scene(rods=[straight_rod(5, clamp="free")], duration=1))
+    state = build(Scene(rods=[straight_rod(5, hold="free")], duration=1))
     crumple(state, rng=rng, size=size)
     force, couple = internal_loads(state)
     scale, h = np.abs(couple).max(), 1e-6
@@ -83,7 +83,7 @@ def _turned(state, i, axis, angle):
 
 @pytest.mark.parametrize("below_pi", [3.0, 1.0, 1e-2, 1e-4, 1e-6, 1e-8])
 def test_logarithm_is_exact_up_to_half_a_turn(rng, below_pi):
-    state = build(Scene(rods=[straight_rod(2, clamp="free")], duration=1))
+    state = build(Scene(rods=[straight_rod(2, hold="free")], duration=1))
     first = state.first[0]
     axis = rng.standard_normal(3)
     vector = (math.pi - below_pi) * axis / np.linalg.norm(axis)
@@ -188,7 +188,7 @@ def free_tumbling(rng):
     nodes = 0.1 * np.column_stack([np.cos(angle), np.sin(angle), 0.3 * angle])
     shape = Points(nodes=[tuple(p) for p in nodes])
     scene = Scene(
-        rods=[Rod(shape=shape, radius=0.005, elements=12, material=RUBBER, clamp="free")],
+        rods=[Rod(shape=shape, radius=0.005, elements=12, material=RUBBER, root=End(hold="free"))],
         duration=1,
     )
     march = Explicit(scene)

@@ -91,7 +91,7 @@ def test_a_run_that_blows_up_stops_says_where_and_keeps_what_was_good(tmp_path):
     scene = sim.double_helix(pi1=24, turns=2, elements_per_pitch=8)
     # Viscous damping beyond what the explicit march resolves, smuggled past the step's choice.
     march = sim.explicit.explicit(scene)
-    march.viscous = 50 * march.dt
+    march.effects = march.effects._replace(viscous=50 * march.dt)
     with pytest.raises(sim.Unstable, match=r"node \d+ of rod \d+ moves at") as error:
         march.advance(100_000)
     assert error.value.time > 0
