@@ -17,7 +17,7 @@ import pandas as pd
 from instron.errors import Unreadable
 from instron.layout import Header, find_header, is_row, split_cells
 from instron.numerals import Unclear, decimal_mark, grouping, looks_numeric, to_numbers
-from instron.source import Source
+from instron.source import Source, refuse_lone_returns
 
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
 
@@ -37,6 +37,7 @@ class Body:
 
 def read_bodies(source: Source, header: Header, delimiter: str) -> list[Body]:
     """Return the tables of a file: one per header that rows of numbers follow."""
+    refuse_lone_returns(source, max(header.line, 0))
     quick = _quick(source, header, delimiter)
     if quick is not None:
         return [quick]
@@ -50,7 +51,7 @@ def read_bodies(source: Source, header: Header, delimiter: str) -> list[Body]:
 
 def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     """Return the body if the rest of the file is one clean table, else None."""
-    start = _offset(source, header.first_row)
+    start = source.offset(header.first_row)
     mark, thousands = _simple_marks(source, start, delimiter)
     if mark is None or not _last_line_is_whole(source, header, delimiter):
         return None
@@ -71,14 +72,6 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
         return None
     lines = range(header.first_row, header.first_row + len(table))
     return Body(header, values, lines, mark, thousands is not None)
-
-
-def _offset(source: Source, line: int) -> int:
-    """Return the byte at which line ``line`` starts."""
-    position = 0
-    for _ in range(line):
-        position = source.data.find(b"\n", position) + 1
-    return position
 
 
 def _simple_marks(source: Source, start: int, delimiter: str) -> tuple[str | None, str | None]:

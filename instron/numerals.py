@@ -24,7 +24,7 @@ _GROUPED = {
 }  # fmt: skip
 _MARK_NAMES = {".": "a decimal point", ",": "a decimal comma"}
 _MARKS = re.compile(r"[.,].*[.,]")
-_WHOLE_MILLIONS = re.compile(r"[-+]?\d{1,3}(?:[,.]\d{3}){2,}")
+_WHOLE_MILLIONS = re.compile(r"[-+]?\d{1,3}([,.])\d{3}(?:\1\d{3})+")
 
 
 class Unclear(ValueError):

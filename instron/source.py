@@ -2,14 +2,20 @@
 
 import codecs
 import mmap
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+
+import numpy as np
 
 from instron.errors import Unreadable
 from instron.words import PIECES, WORDS, plain
 
 HEAD_BYTES = 1 << 16
+CHUNK = 1 << 18  # fits a core's cache
+FOREIGN = {"CR": b"\r", "CRCRLF": b"\r\r\n"}  # line ends that are rewritten
+RETURN, NEWLINE = b"\r\n"
 ENCODINGS = ("gb18030", "shift_jis", "cp1251", "cp1250")
 
 
@@ -46,6 +52,37 @@ class Source:
         """Tell whether the last line is closed."""
         return self.data[-1:] == b"\n"
 
+    def offset(self, line: int) -> int:
+        """Return the byte at which line ``line``, counted from 0, starts."""
+        position = 0
+        for _ in range(line):
+            position = self.data.find(b"\n", position) + 1
+        return position
+
+    def chunks(self, start: int, overlap: int = 0) -> Iterator[tuple[int, np.ndarray]]:
+        """Yield the bytes from ``start`` on in pieces, each with its place in the file."""
+        text = np.frombuffer(self.data, dtype=np.uint8)
+        for first in range(start, len(text), CHUNK):
+            yield first, text[first : first + CHUNK + overlap]
+
+
+def refuse_lone_returns(source: Source, line: int) -> None:
+    r"""Refuse a carriage return without ``\n`` from line ``line`` on.
+
+    Some readers end a row at it and others do not: it may cut a number in two, ``4\r.8``.
+    """
+    start = source.offset(line)
+    if source.data.find(b"\r", start) < 0:
+        return
+    for first, piece in source.chunks(start, overlap=1):
+        lone = np.flatnonzero((piece[:-1] == RETURN) & (piece[1:] != NEWLINE))
+        if len(lone):
+            number = source.data[: first + int(lone[0])].count(b"\n") + 1
+            raise Unreadable(
+                f"{source.path}: line {number}: a carriage return within the line: mixed line"
+                " ends, or a damaged number"
+            )
+
 
 def split_lines(text: str) -> list[str]:
     r"""Split at ``\n`` only (``str.splitlines`` also splits at form feeds and the like)."""
@@ -72,11 +109,20 @@ def open_source(path: Path) -> Source:
         return _rewritten(path, _decode_utf16(path, data, utf16), "utf-16", "utf-8")
     _refuse_foreign(path, data, start.decode("latin-1"))
     encoding = _encoding(data, start)
-    if b"\r" in start and b"\n" not in start:
-        text = data[:].replace(b"\r", b"\n")
-        return Source(path, text, encoding, encoding, "CR", on_disk=False)
-    newline = "CRLF" if b"\r\n" in start else "LF"
+    newline = _newline(start)
+    if newline in FOREIGN:
+        text = data[:].replace(FOREIGN[newline], b"\n")
+        return Source(path, text, encoding, encoding, newline, on_disk=False)
     return Source(path, data, encoding, encoding, newline, on_disk=isinstance(data, mmap.mmap))
+
+
+def _newline(start: bytes) -> str:
+    r"""Return how lines end; ``CRCRLF`` is what a program writes that ends text lines by CRLF."""
+    if b"\n" not in start:
+        return "CR" if b"\r" in start else "LF"
+    if b"\r\r\n" in start and start.count(b"\r\r\n") == start.count(b"\n"):
+        return "CRCRLF"
+    return "CRLF" if b"\r\n" in start else "LF"
 
 
 def _mapped(path: Path) -> mmap.mmap | bytes:
@@ -106,10 +152,11 @@ def _decode_utf16(path: Path, data: mmap.mmap | bytes, encoding: str) -> str:
 
 
 def _rewritten(path: Path, text: str, written: str, encoding: str) -> Source:
-    newline = "CRLF" if "\r\n" in text else "LF" if "\n" in text else "CR"
-    if newline == "CR":
-        text = text.replace("\r", "\n")
-    return Source(path, text.encode(encoding), encoding, written, newline, on_disk=False)
+    data = text.encode(encoding)
+    newline = _newline(data[:HEAD_BYTES])
+    if newline in FOREIGN:
+        data = data.replace(FOREIGN[newline], b"\n")
+    return Source(path, data, encoding, written, newline, on_disk=False)
 
 
 def _refuse_foreign(path: Path, data: mmap.mmap | bytes, start: str) -> None:

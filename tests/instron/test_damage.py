@@ -78,6 +78,15 @@ REFUSED = {
         "decimal (comma.*decimal point|point.*decimal comma)",
     ),
     "broken grouping": (with_row('2.00,1.0000,"1,42.96"'), "line 23: '1,42.96' is not a number"),
+    "lone return within a number": (
+        HEAD.replace("\n", "\r\n") + "0.1,0.2,4.8\r\n0.2,0.3,4\r.8\r\n0.3,0.4,4.8\r\n",
+        "line 4: a carriage return within the line",
+    ),
+    "lone return in lines of LF": (with_row("2.00,1.0\r000,3.0"), "line 23: a carriage return"),
+    "lone return, UTF-16": (
+        (HEAD + "0.1,0.2,4.8\n0.2,0.3,4\r.8\n").encode("utf-16"),
+        "line 4: a carriage return",
+    ),
     "header only": (HEAD, "no row of numbers"),
     "stated maximum ten times off": (
         "Maximum load,1612.5,N\n\n" + HEAD + "\n".join(body()) + "\n",
@@ -182,6 +191,16 @@ def test_ten_thousand_rows_of_garbage_do_not_hang(tmp_path):
     for garbage in ("a," * 100_000, "1" * 1_000_000, '"' * 100_000, "Time,Extension,Load\n" * 2000):
         with pytest.raises(instron.Unreadable):
             read(tmp_path, garbage)
+
+
+def test_millions_of_mixed_marks_are_no_lost_decimal_point(tmp_path):
+    """Several groups and a decimal mark: an English 1,629,770.853, a German 1.629.770,853."""
+    values = [351.5, 219633.598, -883.087, 1629770.853, 988.603]
+    english = "".join(f'{i}.5,{i}.25,"{value:,.3f}"\n' for i, value in enumerate(values))
+    swap = str.maketrans(",.", ".,")
+    german = "".join(f"{i},5;{i},25;{f'{v:,.3f}'.translate(swap)}\n" for i, v in enumerate(values))
+    for text in (HEAD + english, HEAD.replace(",", ";") + german):
+        np.testing.assert_array_equal(read(tmp_path, text)[0]["force"], values)
 
 
 def test_footers_are_left_out(tmp_path):
