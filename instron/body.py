@@ -5,7 +5,6 @@ came out numeric and complete. Everything else (several tables, thousands, damag
 by line, so that a refusal can name the line.
 """
 
-import io
 import re
 import warnings
 from collections.abc import Sequence
@@ -92,16 +91,14 @@ def _pandas(
     source: Source, header: Header, delimiter: str, marks: tuple[str, str | None], start: int
 ) -> pd.DataFrame | None:
     """Return the C reader's table, or None where it stumbles."""
-    target = source.path if source.on_disk else io.BytesIO(source.data[start:])
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), source.opened(start) as body:
             warnings.simplefilter("ignore")
             return pd.read_csv(
-                target,
+                body,
                 sep=r"\s+" if delimiter == "spaces" else delimiter,
                 header=None,
                 names=range(max(header.width, len(header.names))),
-                skiprows=header.first_row if source.on_disk else 0,
                 decimal=marks[0],
                 thousands=marks[1],
                 encoding_errors="replace",  # digits are ASCII; latin-1 is twice as slow
@@ -186,11 +183,11 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
         if not line.strip(" \t,;|\"'"):
             continue
         cells = split_cells(line, delimiter)
-        if len(cells) > width and cells[width]:
-            _refuse_wide(source, number, len(cells), width)
         if line.count('"') % 2 and not _is_last_and_open(source, number):
             raise Unreadable(f"{source.path}: line {number + 1}: a quote is not closed")
         if _PLAIN_ROW.fullmatch(line) or is_row(cells, used):
+            if len(cells) > width and cells[width]:
+                _refuse_wide(source, number, len(cells), width)
             rows.append(number)
             continue
         if _is_last_and_open(source, number):

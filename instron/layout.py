@@ -12,11 +12,13 @@ from instron.words import (
     quantity_of,
     rank,
     split_unit,
+    symbol_of,
     unit_of,
     unknown_unit,
 )
 
 LONGEST_HEADER = 20_000  # characters; names of a hundred specimens side by side need 10 000
+LONGEST_CELL = 20  # lines that a header with line breaks in its cells may have
 DELIMITERS = ("\t", ";", ",", "|", "spaces")
 
 
@@ -81,10 +83,11 @@ def header_at(lines: list[str], number: int, delimiter: str) -> Header | None:
     torn = delimiter == "spaces" and re.search(r"[\t;|]", lines[number])
     if torn or len(lines[number]) > LONGEST_HEADER:
         return None
-    names = split_cells(lines[number], delimiter)
+    line, after = _closed_line(lines, number)
+    names = split_cells(line, delimiter)
     if len(names) < 2 or sum(looks_numeric(name) for name in names) > len(names) // 2:
         return None
-    units, following = _units_row(lines, number + 1, delimiter)
+    units, following = _units_row(lines, after, delimiter)
     specimens, choices = find_specimens(names, units)
     if not specimens and units is None:
         specimens, choices = _from_units_alone(names)
@@ -95,6 +98,14 @@ def header_at(lines: list[str], number: int, delimiter: str) -> Header | None:
     if not is_row(cells, header.used()):
         return None
     return replace(header, width=len(cells))
+
+
+def _closed_line(lines: list[str], number: int) -> tuple[str, int]:
+    """Return the line with those that its open quote runs into, and the number of the next."""
+    line, after = lines[number], number + 1
+    while line.count('"') % 2 and after < min(len(lines), number + LONGEST_CELL):
+        line, after = f"{line} {lines[after]}", after + 1
+    return line, after
 
 
 def is_row(cells: list[str], used: list[int]) -> bool:
@@ -111,7 +122,8 @@ def _units_row(lines: list[str], number: int, delimiter: str) -> tuple[list[str]
     cells = split_cells(lines[number], delimiter)
     filled = [cell for cell in cells if cell]
     known = sum(is_unit(cell) for cell in filled)
-    bracketed = all(cell[0] in "([<{" for cell in filled)
+    bracketed = bool(filled) and all(cell[0] in "([<{" for cell in filled)
+    known += bracketed and all(cell in ("()", "[]", "<>", "{}") for cell in filled)
     if known and (bracketed or 2 * known >= len(filled)) and not any(map(looks_numeric, filled)):
         return cells, _skip_blank(lines, number + 1)
     return None, number
@@ -151,7 +163,7 @@ def _candidates(names: list[str], units: list[str] | None) -> dict[str, list[Cha
         unit = unit or below.strip("()[]<>{} ") or None
         if unit is None and units is None:
             unit = unknown_unit(name)
-        quantity = quantity_of(name)
+        quantity = quantity_of(name) or symbol_of(name, unit)
         if quantity and _fits(quantity, unit):
             found[quantity].append(Channel(index, name or cell, unit))
         elif lengthens(name) and unit and (unit_of(unit) or "")[:1] == ("displacement",):

@@ -1,22 +1,25 @@
 """A file as text: its encoding, line ends, and what is not a text export at all."""
 
 import codecs
+import io
 import mmap
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
 from instron.errors import Unreadable
-from instron.words import PIECES, WORDS, plain
+from instron.words import PIECES, TELLING, plain
 
 HEAD_BYTES = 1 << 16
 CHUNK = 1 << 18  # fits a core's cache
 FOREIGN = {"CR": b"\r", "CRCRLF": b"\r\r\n"}  # line ends that are rewritten
 RETURN, NEWLINE = b"\r\n"
-ENCODINGS = ("gb18030", "shift_jis", "cp1251", "cp1250")
+ENCODINGS = ("gb18030", "shift_jis", "big5", "cp949", "cp1251", "cp1250")
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,14 @@ class Source:
         if len(piece) == HEAD_BYTES:
             piece = piece[: piece.rfind(b"\n") + 1] or piece
         return split_lines(piece.decode(self.encoding, errors="replace"))
+
+    def opened(self, start: int) -> BinaryIO:
+        """Return the bytes from ``start`` on as a file; of a mapped file, the file itself."""
+        if not self.on_disk:
+            return io.BytesIO(self.data[start:])
+        file = self.path.open("rb")
+        file.seek(start)
+        return file
 
     def release(self) -> None:
         """Give mapped pages back, so that a large file is not in memory twice while parsed."""
@@ -196,10 +207,10 @@ def _encoding(data: mmap.mmap | bytes, start: bytes) -> str:
 
 
 def _spells(start: bytes, encoding: str) -> bool:
-    text = plain(start.decode(encoding, errors="ignore")[:20000])
-    if encoding in ("gb18030", "shift_jis"):
-        # A lone 力 also comes about by chance; two quantities do not.
-        found = [any(plain(p) in text for p in PIECES[q] if len(p) > 1) for q in PIECES]
-        return sum(found) >= 2
-    words = {w for table in WORDS.values() for w in table if not w.isascii()}
-    return bool(words & set(text.split()))
+    text = start.decode(encoding, errors="ignore")[:20000]
+    if encoding in TELLING:
+        return not TELLING[encoding].isdisjoint(re.findall(r"[^\W\d_]+", text.casefold()))
+    # A lone 力 also comes about by chance; two quantities do not.
+    text = plain(text)
+    found = [any(plain(p) in text for p in PIECES[q] if len(p) > 1) for q in PIECES]
+    return sum(found) >= 2

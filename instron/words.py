@@ -16,32 +16,48 @@ def _set(words: str) -> set[str]:
     return set(words.split())
 
 
+# Without accents, as plain() leaves them.
 WORDS = {
     "time": _set(
-        "time zeit prufzeit testzeit laufzeit messzeit temps tiempo tempo czas tid tijd aika cas"
-        " ido elapsed время"
+        "time zeit prufzeit testzeit laufzeit messzeit temps tiempo tempo czas godzina tid tijd"
+        " aika cas ido zaman sure elapsed время"
     ),
     "displacement": _set(
         "extension extn ext crosshead displacement disp displ position traverse stroke travel lvdt"
         " elongation course weg standardweg traversenweg verfahrweg maschinenweg kolbenweg"
-        " deplacement allongement desplazamiento alargamiento extensao deslocamento alongamento"
-        " spostamento corsa allungamento przemieszczenie wydłuzenie wydluzenie droga posuv"
-        " forskjutning verplaatsing deflection stretch verlangerung separation estensione"
-        " перемещение удлинение"
+        " verschiebung langenanderung durchbiegung deplacement allongement fleche desplazamiento"
+        " alargamiento elongacion extensao deslocamento alongamento spostamento corsa allungamento"
+        " estensione przemieszczenie wydluzenie droga ugiecie prodlouzeni posunuti posuv"
+        " elmozdulas megnyulas uzama deplasman forskjutning forlangning verplaatsing verlenging"
+        " deflection stretch verlangerung separation перемещение удлинение прогиб ход"
     ),
     "force": _set(
-        "load force kraft standardkraft prufkraft last belastung charge effort carga fuerza forca"
-        " forza carico siła sila obciazenie obciążenie kracht sila zatizeni loadcell"
-        " сила нагрузка усилие"
+        "load force kraft standardkraft prufkraft zugkraft druckkraft last belastung charge effort"
+        " carga fuerza forca forza carico sila obciazenie kracht belasting belastning zatizeni ero"
+        " terheles kuvvet yuk loadcell сила нагрузка усилие"
+    ),
+}
+
+# Words whose letters tell a code page from cp1252, in which Windows writes otherwise.
+TELLING = {
+    "cp1251": _set("время перемещение удлинение прогиб ход сила нагрузка усилие"),
+    "cp1250": _set(
+        "wydłużenie obciążenie siła odkształcenie naprężenie ugięcie čas prodloužení zatížení"
+        " idő erő terhelés megnyúlás elmozdulás"
     ),
 }
 
 # Inside the cell, longest first: 試験力 is a force although it holds 試験 (test).
 PIECES = {
-    "time": ("时间", "時間"),
-    "displacement": ("位移", "変位", "变位", "變位", "ストローク", "行程", "伸び", "伸长", "横梁"),
-    "force": ("载荷", "載荷", "荷重", "试验力", "試験力", "負荷", "负荷", "力值", "力"),
-}
+    "time": ("时间", "時間", "시간"),
+    "displacement": ("位移", "変位", "变位", "變位", "ストローク", "行程", "伸び", "伸长", "延伸",
+                     "横梁", "변위", "신장", "스트로크"),
+    "force": ("载荷", "載荷", "荷重", "试验力", "試験力", "負荷", "负荷", "力值", "하중", "시험력",
+              "力"),
+}  # fmt: skip
+
+# A name of one letter or two counts only where the stated unit is of its quantity.
+SYMBOLS = {"time": {"t"}, "displacement": {"x", "d", "s", "u", "dl", "z"}, "force": {"f", "p"}}
 
 # A cell with one of these is a result or another channel, whatever else it says.
 OTHER_THINGS = _set(
@@ -64,20 +80,26 @@ OTHER_PIECES = (
     "强度",
     "率",
     "面积",
+    "應變",
+    "應力",
+    "응력",
+    "변형률",
+    "최대",
 )
 
 CROSSHEAD = _set(
     "machine crosshead traverse traversenweg standardweg stroke course actuator maschinenweg"
     " kolbenweg querhaupt"
 )
-ABSOLUTE = _set("absolute absolu absolue absolut position pos raw absoluta")
+ABSOLUTE = _set("absolute absolu absolue absolut abs position pos raw absoluta")
 GAUGE = _set(
     "extensometer strain gauge gage video dic ave laser optical wegaufnehmer feindehnung"
-    " extensometre extensometro le"
+    " extensometre extensometro le capteur sensor aufnehmer taster"
 )
 # Read as displacement only when the unit is a length and no better column exists.
 LENGTHENING = _set(
     "dehnung verformung deformation deformacion deformazione deformacao extensometer strain"
+    " compression"
     " extensometre extensometro wegaufnehmer"
 )
 SECONDARY = _set("step segment corrected compensated korrigiert secondary aux auxiliary")
@@ -134,9 +156,12 @@ OTHER_UNITS = _set(
 VOLTS = {"v", "mv", "volt", "volts", "mv/v", "uv", "µv"}
 
 
+STROKES = str.maketrans("łøđı", "lodi")  # these do not decompose into a letter and a mark
+
+
 def plain(text: str) -> str:
     """Return the text without accents, case and punctuation, for comparing words."""
-    folded = unicodedata.normalize("NFKD", text.casefold())
+    folded = unicodedata.normalize("NFKD", text.casefold().translate(STROKES))
     bare = "".join(c for c in folded if not unicodedata.combining(c))
     return " ".join(re.split(r"[\s_\-/:.,#|*=]+", bare)).strip()
 
@@ -194,6 +219,14 @@ def quantity_of(name: str) -> str | None:
         if tokens & WORDS[quantity] or any(plain(piece) in bare for piece in PIECES[quantity]):
             return quantity
     return None
+
+
+def symbol_of(name: str, unit: str | None) -> str | None:
+    """Return which quantity a lone symbol means whose stated unit agrees: ``F [N]``, ``s [mm]``."""
+    known = unit_of(unit) if unit else None
+    if known is None or plain(name) not in SYMBOLS[known[0]]:
+        return None
+    return known[0]
 
 
 def lengthens(name: str) -> bool:
