@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.kernels import contact as contact_kernel
 from sim.kernels import ends as ends_kernel
+from sim.kernels import ledger as ledger_kernel
 from sim.kernels import march as march_kernel
 from sim.kernels import tine as tine_kernel
 from sim.scene import End, Motion, Scene, Tine
@@ -64,7 +65,7 @@ def tine_friction(scene: Scene) -> contact_kernel.Friction | None:
 def _coulomb(scene: Scene, forward: float, backward: float) -> contact_kernel.Friction:
     line_density = min(rod.material.density * math.pi * rod.radius**2 for rod in scene.rods)
     damping = 2 * SLIP_DAMPING * math.sqrt(line_density)
-    return contact_kernel.Friction(forward, backward, damping, np.zeros(1))
+    return contact_kernel.Friction(forward, backward, damping)
 
 
 def contact(scene: Scene, state: State) -> contact_kernel.Contact | None:
@@ -162,6 +163,13 @@ def pulled(scene: Scene, state: State) -> ends_kernel.Pulled | None:
     )  # fmt: skip
 
 
+def ledger(scene: Scene, state: State) -> ledger_kernel.Ledger | None:
+    """Return an empty ledger of what drag, material and friction take, if it is asked for."""
+    if not scene.output.energy:
+        return None
+    return ledger_kernel.Ledger(*np.zeros((3, 1)), *np.zeros((4, 6, state.n)))
+
+
 def all_effects(scene: Scene, state: State, dt: float) -> march_kernel.Effects:
     """Return every effect that the scene names, for steps of dt [s]."""
     return march_kernel.Effects(
@@ -174,6 +182,7 @@ def all_effects(scene: Scene, state: State, dt: float) -> march_kernel.Effects:
         tine_friction=tine_friction(scene),
         driven=driven(scene, state),
         pulled=pulled(scene, state),
+        ledger=ledger(scene, state),
     )
 
 

@@ -23,16 +23,23 @@ class Part(BaseModel):
 
 
 class Material(Part):
-    """Elastic, isotropic, solid round section: Young's modulus [Pa], Poisson ratio, kg/m^3.
+    """Elastic, solid round section: Young's modulus [Pa], Poisson ratio, density [kg/m^3].
 
+    `G` [Pa] is the shear modulus of a fibre that is not isotropic; left out, E/(2 (1 + nu)).
     `shear_coefficient` is Timoshenko's alpha: 27/28 as in Gazzola et al. 2018, 0.886 for nu = 0.5
     after Cowper (1966).
     """
 
     E: Positive
     nu: Annotated[float, Field(gt=-1, le=0.5)] = 0.4
+    G: Positive | None = None
     density: Positive
     shear_coefficient: Positive = 27 / 28
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus [Pa]."""
+        return self.E / (2 * (1 + self.nu)) if self.G is None else self.G
 
 
 class Helix(Part):
@@ -214,10 +221,15 @@ class Tine(Part):
 
 
 class Output(Part):
-    """What is recorded: force samples per second (each a mean over its window), snapshots."""
+    """What is recorded: force samples per second (each a mean over its window), snapshots.
+
+    With `energy` also the ledger: what is stored, put in and lost, once a sample; it doubles the
+    cost of a step.
+    """
 
     sample_rate: Positive = 1000.0
     snapshots: Annotated[int, Field(ge=1)] = 64
+    energy: bool = False
 
 
 class Scene(Part):

@@ -133,7 +133,6 @@ def _fill_rod(state: State, number: int, rod: Rod, scene: Scene) -> None:
 def _fill_elements(state: State, at: slice, rod: Rod, lengths: Array, rotary_inertia: str) -> None:
     material, radius = rod.material, rod.radius
     area, second_moment = np.pi * radius**2, np.pi * radius**4 / 4
-    shear_modulus = material.E / (2 * (1 + material.nu))
     inertia = material.density * second_moment * lengths
     polar = 2 * inertia
     if rotary_inertia == "element":
@@ -141,7 +140,7 @@ def _fill_elements(state: State, at: slice, rod: Rod, lengths: Array, rotary_ine
         inertia = inertia + material.density * area * lengths**3 / 12
     state.row("LENGTH")[at], state.row("INV_LENGTH")[at] = lengths, 1 / lengths
     state.row("RADIUS")[at] = radius
-    state.row("SHEAR")[at] = material.shear_coefficient * shear_modulus * area
+    state.row("SHEAR")[at] = material.shear_coefficient * material.shear_modulus * area
     state.row("STRETCH")[at] = material.E * area
     state.row("INV_J1")[at], state.row("INV_J3")[at] = 1 / inertia, 1 / polar
     state.row("J_RATIO")[at] = polar / inertia - 1
@@ -199,4 +198,4 @@ def _hold(
 def rigidities(material: Material, radius: float) -> tuple[float, float]:
     """Return the bending rigidity B = E I and the twisting rigidity C = G J [N m^2]."""
     second_moment = np.pi * radius**4 / 4
-    return material.E * second_moment, material.E / (1 + material.nu) * second_moment
+    return material.E * second_moment, 2 * material.shear_modulus * second_moment

@@ -49,13 +49,12 @@ class Friction(NamedTuple):
     """Coulomb friction with an elastic slip: coefficients and damping [N s/m^2] of the slip.
 
     `forward` resists a strand's surface that slides from its root to its tip over the other body,
-    `backward` the other way. `work` (1,): taken from the bodies so far, elastic slip included [J].
+    `backward` the other way.
     """
 
     forward: float
     backward: float
     damping: float
-    work: np.ndarray
 
 
 @kernel
@@ -251,5 +250,4 @@ def rubbing_force(velocity, normal_direction, tangent, normal, spring, dt, frict
     if size > limit:
         shrink = limit / size
         f = (f[0] * shrink, f[1] * shrink, f[2] * shrink)
-    friction.work[0] -= dt * dot(f, v)
     return f

@@ -6,19 +6,20 @@ An absent effect is ``None``; the compiler prunes its branch, so it costs nothin
 from typing import NamedTuple
 
 from sim.kernels.compiled import kernel
-from sim.kernels.contact import Contact, Friction, contact_forces
+from sim.kernels.contact import Contact, Friction
 from sim.kernels.ends import Driven, Pulled, drive, pull, react
 from sim.kernels.layout import *  # noqa: F403
+from sim.kernels.ledger import Ledger, kick_and_book, touch_and_book
 from sim.kernels.neighbours import moved_far
 from sim.kernels.rod import (
     bend_and_twist,
     clear_loads,
     drift,
-    kick_elements,
-    kick_nodes,
+    kick,
     stretch_and_shear,
 )
-from sim.kernels.tine import Tines, place, tine_forces
+from sim.kernels.tine import Tines
+from sim.kernels.touch import touching_loads
 
 DONE, STALE, UNSTABLE = 0, 1, 2
 
@@ -47,6 +48,7 @@ class Effects(NamedTuple):
     tine_friction: Friction | None = None
     driven: Driven | None = None
     pulled: Pulled | None = None
+    ledger: Ledger | None = None
 
 
 @kernel
@@ -71,24 +73,21 @@ def body_loads(buf, n, time, dt, viscous, gravity, pulled):
 
 
 @kernel
-def touching_loads(buf, n, time, dt, contact, friction, tines, tine_friction):
-    """Add the forces and couples of everything that touches."""
-    if contact is not None:
-        contact_forces(buf, n, dt, contact, friction)
-    if tines is not None:
-        place(tines, time)
-        tine_forces(buf, n, dt, tines, tine_friction)
+def touch(buf, n, time, dt, contact, friction, tines, tine_friction, ledger):
+    """Add everything that touches, and book what friction does if there is a ledger."""
+    if ledger is not None:
+        touch_and_book(buf, n, time, dt, contact, friction, tines, tine_friction, ledger)
+    else:
+        touching_loads(buf, n, time, dt, contact, friction, tines, tine_friction)
 
 
 @kernel
-def kick(buf, n, dt, keep):
-    """Change velocities by the forces; drag lets the fraction `keep` of them survive."""
-    if keep is not None:
-        kick_nodes(buf, n, dt, keep)
-        kick_elements(buf, n, dt, keep)
+def speed_up(buf, n, dt, keep, viscous, ledger):
+    """Kick, and book the losses if there is a ledger."""
+    if ledger is not None:
+        kick_and_book(buf, n, dt, keep, viscous, ledger)
     else:
-        kick_nodes(buf, n, dt, 1.0)
-        kick_elements(buf, n, dt, 1.0)
+        kick(buf, n, dt, keep)
 
 
 @kernel
@@ -130,7 +129,9 @@ def march(buf, n, time, dt, steps, limit, effects):
     STALE: the neighbour list must be rebuilt before the next step. UNSTABLE: after the step counted
     last, a node's squared speed is above `limit` or not a number.
     """
-    keep, viscous, gravity, contact, friction, tines, tine_friction, driven, pulled = effects
+    keep, viscous, gravity, contact, friction, tines, tine_friction, driven, pulled, ledger = (
+        effects
+    )
     half = 0.5 * dt
     for step in range(steps):
         middle = time + (step + 0.5) * dt
@@ -140,9 +141,9 @@ def march(buf, n, time, dt, steps, limit, effects):
             drift(buf, n, -half)
             return step, STALE
         body_loads(buf, n, middle, dt, viscous, gravity, pulled)
-        touching_loads(buf, n, middle, dt, contact, friction, tines, tine_friction)
+        touch(buf, n, middle, dt, contact, friction, tines, tine_friction, ledger)
         record(buf, driven, dt)
-        kick(buf, n, dt, keep)
+        speed_up(buf, n, dt, keep, viscous, ledger)
         lead(buf, driven, middle)  # drag has slowed them too
         drift(buf, n, half)
         if too_fast(buf, n, limit) > 0:

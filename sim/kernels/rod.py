@@ -321,3 +321,14 @@ def kick_elements(buf, n, dt, keep):
         buf[W0 + i] = keep * (cosine * w0 - sine * w1 + a0)
         buf[W1 + i] = keep * (sine * w0 + cosine * w1 + a1)
         buf[W2 + i] = keep * (buf[W2 + i] + a2)
+
+
+@kernel
+def kick(buf, n, dt, keep):
+    """Change velocities by the forces; drag lets the fraction `keep` of them survive."""
+    if keep is not None:
+        kick_nodes(buf, n, dt, keep)
+        kick_elements(buf, n, dt, keep)
+    else:
+        kick_nodes(buf, n, dt, 1.0)
+        kick_elements(buf, n, dt, 1.0)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.kernels.compiled import kernel
+from sim.kernels.compiled import formula, kernel
 from sim.kernels.contact import clip, near_line, press, rubbing_force, surface_velocity
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.vectors import along, at, cross, dot, minus, push, to_body
@@ -109,10 +109,9 @@ def passes_near(buf, a, middle, axis, radius):
     return buf[LENGTH + a] > 0.0 and dot(across, across) < bound * bound
 
 
-@kernel
-def one_tine(buf, a, m, q0, q1, reach, dt, tines, friction):
-    """Add the contact of element a with tine m."""
-    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+@formula
+def tine_interval(p0, p1, q0, q1, reach):
+    """Return the interval of s on segment p that may touch the cylinder with axis q0 q1."""
     u, w0, w1 = minus(q1, q0), minus(p0, q0), minus(p1, q0)
     cap = reach * math.sqrt(dot(u, u))
     low, high = near_line(0.0, 1.0, w0, w1, u, reach)
@@ -120,6 +119,14 @@ def one_tine(buf, a, m, q0, q1, reach, dt, tines, friction):
         low, high = clip(low, high, dot(w0, u) + cap, dot(w1, u) + cap)
     if low < high:
         low, high = clip(low, high, cap - dot(minus(p0, q1), u), cap - dot(minus(p1, q1), u))
+    return low, high
+
+
+@kernel
+def one_tine(buf, a, m, q0, q1, reach, dt, tines, friction):
+    """Add the contact of element a with tine m."""
+    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+    low, high = tine_interval(p0, p1, q0, q1, reach)
     if low >= high:
         if friction is not None:
             tines.slip[m, a, 0] = tines.slip[m, a, 1] = tines.slip[m, a, 2] = 0.0
