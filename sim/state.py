@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import mmap
 from dataclasses import dataclass
 
@@ -14,6 +15,8 @@ from sim.kernels import layout
 from sim.scene import End, Helix, Material, Rod, Scene, Straight
 
 Array = NDArray[np.float64]
+
+FOLDED = 1e-9  # 1 + cosine of a turn within 5e-5 of 180 degrees: it has no plane
 
 
 @dataclass
@@ -74,7 +77,8 @@ def build(scene: Scene) -> State:
     Raises
     ------
     SceneError
-        There are more elements than the buffer holds, or a rod has an element without length.
+        There are more elements than the buffer holds, a rod has an element without length, or it
+        turns by half a turn or more from one element to the next.
     """
     elements = [_element_count(rod) for rod in scene.rods]
     # A ghost element before every root and after every tip: the frames of their clamps.
@@ -109,11 +113,7 @@ def centreline(rod: Rod) -> Array:
 def _fill_rod(state: State, number: int, rod: Rod, scene: Scene) -> None:
     nodes = centreline(rod)
     lengths = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-    if not lengths.min() > 0:
-        raise SceneError(
-            f"rods.{number}.shape: element {int(np.argmin(lengths))} has no length; "
-            "two neighbouring nodes coincide"
-        )
+    _refuse_shape(number, rod, nodes, lengths)
     at = state.nodes(number)
     within = slice(at.start, at.stop - 1)
     directors = shapes.frames(nodes)
@@ -126,8 +126,46 @@ def _fill_rod(state: State, number: int, rod: Rod, scene: Scene) -> None:
     _fill_vertices(
         state, at, rod, lengths, directors, np.random.default_rng([scene.seed, 2, number])
     )
+    _refuse_rest(state, number, at)
     _hold(state, rod, rod.root, at.start, at.start - 1, lengths[0], directors[0])
     _hold(state, rod, rod.tip, at.stop - 1, at.stop - 1, lengths[-1], directors[-1])
+
+
+def _refuse_shape(number: int, rod: Rod, nodes: Array, lengths: Array) -> None:
+    """Refuse nodes that coincide and turns that no frames can follow."""
+    if not lengths.min() > 0:
+        raise SceneError(
+            f"rods.{number}.shape: element {int(np.argmin(lengths))} has no length; "
+            "two neighbouring nodes coincide"
+        )
+    if isinstance(rod.shape, Helix):
+        turns = rod.shape.height / rod.shape.pitch
+        if 2 * turns >= rod.elements:
+            raise SceneError(
+                f"rods.{number}.elements = {rod.elements}: {turns / rod.elements:.3g} of a turn of "
+                f"the helix per element cannot be told from less than half a turn; ask for more "
+                f"than {math.ceil(2 * turns)}, better {math.ceil(12 * turns)}"
+            )
+    tangents = np.diff(nodes, axis=0) / lengths[:, None]
+    straightness = 1 + np.einsum("ij,ij->i", tangents[1:], tangents[:-1])
+    if straightness.min() < FOLDED:
+        raise SceneError(
+            f"rods.{number}.shape: the strand folds back onto itself by 180 degrees at node "
+            f"{int(np.argmin(straightness)) + 1}; round the fold off over several nodes"
+        )
+
+
+def _refuse_rest(state: State, number: int, at: slice) -> None:
+    """Refuse a rest shape that turns by half a turn or more from one element to the next."""
+    inner = slice(at.start + 1, at.stop - 1)
+    turns = (
+        np.linalg.norm(state.rows("K0 K1 K2")[:, inner], axis=0) / state.row("INV_VORONOI")[inner]
+    )
+    if turns.max() >= np.pi:
+        raise SceneError(
+            f"rods.{number}: its rest shape turns by {turns.max():.3g} rad, half a turn or more, "
+            f"at node {int(np.argmax(turns)) + 1}; make elements shorter or the curvature smaller"
+        )
 
 
 def _fill_elements(state: State, at: slice, rod: Rod, lengths: Array, rotary_inertia: str) -> None:
