@@ -1,22 +1,54 @@
-"""Photographs with their scale: the marker is found, measured, and kept out of the strands."""
+"""Photographs as a user names them: files, folders, patterns; and their scale for a comparison."""
 
-from dataclasses import replace
+import glob
+import re
+from collections.abc import Sequence
 from pathlib import Path
-
-import cv2
-import numpy as np
-from numpy.typing import NDArray
 
 import imaging
 from combing.errors import UserError
+from imaging.decode import SUFFIXES
+from imaging.scale import from_marker
 
-DICTIONARIES = {
-    "4x4": cv2.aruco.DICT_4X4_50,
-    "5x5": cv2.aruco.DICT_5X5_50,
-    "6x6": cv2.aruco.DICT_6X6_50,
-    "original": cv2.aruco.DICT_ARUCO_ORIGINAL,
-}
-MARGIN = 0.35  # of the side: the white border and what the blur spreads of it
+
+def find_photographs(names: Sequence[str]) -> list[Path]:
+    """Replace folders, patterns and numbered sequences by the photographs they stand for.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Files; folders (all photographs directly in them); patterns with ``*``, ``?``, ``[...]``;
+        sequences like ``frame_%04d.png``. Numbers in names count as numbers: 2 comes before 10.
+
+    Raises
+    ------
+    UserError
+        When a name stands for nothing.
+    """
+    found = [path for name in names for path in _meant_by(name)]
+    return list(dict.fromkeys(found))
+
+
+def _meant_by(name: str) -> list[Path]:
+    path = Path(name)
+    if path.is_dir():
+        inside = [p for p in path.iterdir() if p.suffix.lower() in SUFFIXES and p.name[0] != "."]
+        if not inside:
+            raise UserError(f"{path}: no photographs ({', '.join(SUFFIXES)}) in it")
+        return sorted(inside, key=_by_number)
+    if path.exists() or path.is_symlink():
+        return [path]
+    pattern = re.sub(r"%0?(\d*)d", lambda width: "[0-9]" * int(width[1] or 0) or "*", name)
+    matches = sorted(map(Path, glob.glob(pattern)), key=_by_number)  # noqa: PTH207 - also absolute
+    if not matches:
+        raise UserError(f"{path}: no such file; give photographs, folders or patterns")
+    return matches
+
+
+def _by_number(path: Path) -> list[tuple[int, str]]:
+    """Key under which frame_2 sorts before frame_10."""
+    parts = re.split(r"(\d+)", path.name.casefold())
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
 
 
 def read_to_scale(
@@ -43,9 +75,9 @@ def read_to_scale(
     Raises
     ------
     UserError
-        If a marker is to be measured and there is none, or more than one.
+        If neither is given.
     imaging.Unmeasurable
-        If the file is not a photograph.
+        If the file is not a photograph, or there is no marker in it, or more than one.
     """
     return to_scale(imaging.read_photo(path), marker_side=marker_side, pixel_size=pixel_size)
 
@@ -58,35 +90,5 @@ def to_scale(
         if pixel_size is None:
             raise UserError(f"{photo.source}: give marker_side or pixel_size, in metres")
         return photo, pixel_size
-    corners = find_marker(photo)
-    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
-    mask = _covered(corners, photo.shape)
-    if photo.ignore is not None:
-        mask |= photo.ignore
-    return replace(photo, ignore=mask), float(marker_side / edges.mean())
-
-
-def find_marker(photo: imaging.Photo) -> NDArray[np.float32]:
-    """Corners of the only ArUco marker in a photograph, (4, 2) [px], clockwise from top left."""
-    rgb = np.round(255 * photo.rgb()).astype(np.uint8)
-    settings = cv2.aruco.DetectorParameters()
-    settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
-    for dictionary in DICTIONARIES.values():
-        finder = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(dictionary), settings)
-        found, _, _ = finder.detectMarkers(rgb)
-        if len(found) > 1:
-            raise UserError(f"{photo.source}: {len(found)} ArUco markers; keep one in the picture")
-        if found:
-            return found[0][0]
-    raise UserError(
-        f"{photo.source}: no ArUco marker found (dictionaries {', '.join(DICTIONARIES)}); show it "
-        "whole and sharp, or give pixel_size in metres instead of marker_side"
-    )
-
-
-def _covered(corners: NDArray[np.float32], shape: tuple[int, int]) -> NDArray[np.bool_]:
-    middle = corners.mean(axis=0)
-    frame = middle + (1 + 2 * MARGIN) * (corners - middle)
-    mask = np.zeros(shape, np.uint8)
-    cv2.fillConvexPoly(mask, np.round(frame).astype(np.int32), 1)
-    return mask.astype(bool)
+    scale, photo = from_marker(photo, marker_side)
+    return photo, scale.metres_per_pixel

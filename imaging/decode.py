@@ -71,8 +71,13 @@ def _too_large(size: str) -> str:
     )
 
 
-def _kind(path: Path) -> str:
-    """Tell camera RAW (by its suffix) and HEIF (by its content, often named .jpg) from the rest."""
+def refuse_unless_file(path: Path) -> None:
+    """Raise one clear line when there is no file at `path` that can be opened.
+
+    Raises
+    ------
+    Unmeasurable
+    """
     if path.is_dir():
         raise Unmeasurable(f"{path}: is a folder; give a photograph")
     if not path.exists():
@@ -81,9 +86,16 @@ def _kind(path: Path) -> str:
         raise Unmeasurable(f"{path}: {reason}; give the path of a photograph")
     try:
         with path.open("rb") as file:
-            head = file.read(12)
+            file.read(1)
     except OSError as error:
         raise Unmeasurable(f"{path}: cannot be opened ({error.strerror})") from error
+
+
+def _kind(path: Path) -> str:
+    """Tell camera RAW (by its suffix) and HEIF (by its content, often named .jpg) from the rest."""
+    refuse_unless_file(path)
+    with path.open("rb") as file:
+        head = file.read(12)
     if not head:
         raise _unreadable(path, "it is empty")
     if path.suffix.lower() in RAW_SUFFIXES:

@@ -1,4 +1,4 @@
-"""Pictures of a measurement: lines and crossings drawn over the photograph, labels, histogram."""
+"""Pictures of a measurement: lines and crossings drawn over the photograph, labels."""
 
 import base64
 from collections.abc import Hashable, Sequence
@@ -7,7 +7,6 @@ from typing import Any
 import cv2
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
 from imaging.photo import Photo
@@ -135,26 +134,3 @@ def _svg_ring(row: dict[Hashable, Any], radius: float) -> str:
     title = f"{row['strand_a']} x {row['strand_b']}, on top: {over}"
     centre = f'cx="{row["x"] + 0.5:.2f}" cy="{row["y"] + 0.5:.2f}"'
     return f'<circle {centre} r="{radius:.1f}"><title>{title}</title></circle>'
-
-
-def histogram(densities: pd.DataFrame, unit: str) -> Figure:
-    """Draw N-body densities with their intervals (the paper's Fig. 1d).
-
-    Parameters
-    ----------
-    densities : DataFrame
-        From `imaging.densities`.
-    unit : str
-        Of the density's length: "m" or "px".
-    """
-    shown = densities[densities["N"] <= max(densities["N"][densities["count"] > 0].max(), 5)]
-    figure = Figure(figsize=(4.2, 3.2), layout="constrained")
-    axes = figure.add_subplot()
-    error = np.stack([shown["density"] - shown["low"], shown["high"] - shown["density"]])
-    axes.bar(shown["N"], shown["density"], color="#4878a8", width=0.7)
-    axes.errorbar(shown["N"], shown["density"], error, fmt="none", ecolor="black", capsize=3)
-    axes.set_xlabel("strands in one interaction, N")
-    axes.set_ylabel(rf"$\rho_N$ (1/{unit})")
-    axes.set_xticks(shown["N"])
-    axes.set_title(f"{densities.attrs['n_sec']} sections, 95 % Poisson intervals", fontsize=9)
-    return figure

@@ -9,6 +9,7 @@ import numpy as np
 
 from imaging.errors import Unmeasurable
 from imaging.photo import Photo
+from imaging.plane import Plane, fit_plane
 from imaging.trace import Strand
 
 DICTIONARIES = ("DICT_4X4_50", "DICT_5X5_50", "DICT_6X6_50", "DICT_ARUCO_ORIGINAL")
@@ -18,7 +19,22 @@ CLICK_SD = 0.7  # px; a ruler's end read off the screen
 WHITE_MARGIN = 0.35  # of a marker's side: its white rim, and what blur spreads of it
 LONGEST = 2000  # px; longer pictures are shrunk to look for markers that only have to be hidden
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
-FORMS = "40px/mm, marker:20mm, plane:20mm, filament:0.85mm or ruler:x0,y0,x1,y1=50mm"
+FORMS = (
+    "40px/mm, marker:20mm, plane:20mm, charuco:7x5,15mm,11mm, grid:5x7,20mm,5mm, filament:0.85mm "
+    "or ruler:x0,y0,x1,y1=50mm, with +-1% behind it where the length is not exact, and "
+    "@board.jpg at the end where marker or board stand in a photograph of their own"
+)
+NUMBER, UNIT = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)", "(" + "|".join(METRES) + ")"
+PATTERNS = {
+    "stated": rf"{NUMBER}\s*px/{UNIT}",
+    "marker": rf"marker:{NUMBER}\s*{UNIT}",
+    "plane": rf"plane:{NUMBER}\s*{UNIT}",
+    "filament": rf"filament:{NUMBER}\s*{UNIT}",
+    "charuco": rf"charuco:(\d+)x(\d+),{NUMBER}\s*{UNIT},{NUMBER}\s*{UNIT}",
+    "grid": rf"grid:(\d+)x(\d+),{NUMBER}\s*{UNIT},{NUMBER}\s*{UNIT}",
+    "ruler": rf"ruler:{NUMBER},{NUMBER},{NUMBER},{NUMBER}={NUMBER}\s*{UNIT}",
+}
+ON_A_BOARD = ("marker", "plane", "charuco", "grid")
 
 
 @dataclass(frozen=True)
@@ -28,32 +44,51 @@ class Scale:
     Attributes
     ----------
     metres_per_pixel : float
+        Where perspective was measured: the mean over the picture.
     relative_sd : float
-        Standard deviation of the scale over the scale.
+        Standard deviation of the scale over the scale; with perspective, over the whole picture.
     how : str
         Where it comes from, for the record.
-    homography : (3, 3) array or None
-        Picture point -> metres in the plane, where perspective was measured.
+    plane : Plane or None
+        Lens and perspective, where they were measured.
+    length_sd : float
+        The part of `relative_sd` that comes from the length that was stated.
     """
 
     metres_per_pixel: float
     relative_sd: float
     how: str
-    homography: np.ndarray | None = None
+    plane: Plane | None = None
+    length_sd: float = 0.0
 
     def metres(self, points: np.ndarray) -> np.ndarray:
         """Carry picture points (n, 2) over to the plane of the strands [m]."""
-        if self.homography is None:
+        if self.plane is None:
             return np.asarray(points, float) * self.metres_per_pixel
-        flat = np.asarray(points, float).reshape(1, -1, 2)
-        return cv2.perspectiveTransform(flat, self.homography)[0]
+        return self.plane.metres(points)
+
+    def step(self, points: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """Metres per pixel at `points` (n, 2) along the unit vectors `directions` (n, 2)."""
+        half = np.asarray(directions, float) / 2
+        return np.hypot(*(self.metres(points + half) - self.metres(points - half)).T)
+
+    def sd_at(self, points: np.ndarray) -> np.ndarray:
+        """Relative standard deviation of the scale at picture points (n, 2)."""
+        if self.plane is None:
+            return np.full(len(points), self.relative_sd)
+        return np.hypot(self.plane.local(points)[1], self.length_sd)
+
+    def with_doubt(self, length_sd: float) -> "Scale":
+        """Return the same scale from a stated length that is known to this relative sd only."""
+        total = float(np.hypot(self.relative_sd, length_sd))
+        return replace(self, relative_sd=total, length_sd=length_sd)
 
 
 def stated(pixels_per_metre: float, relative_sd: float = 0.0) -> Scale:
     """Take the user's word for the scale."""
-    if not pixels_per_metre > 0:
+    if not 0 < pixels_per_metre < np.inf:
         raise Unmeasurable(f"scale of {pixels_per_metre:g} pixels per metre; it must be positive")
-    return Scale(1 / pixels_per_metre, relative_sd, "stated")
+    return Scale(1 / pixels_per_metre, relative_sd, "stated", length_sd=relative_sd)
 
 
 def from_ruler(start: Sequence[float], end: Sequence[float], length: float) -> Scale:
@@ -111,8 +146,10 @@ def from_marker(photo: Photo, side: float, *, perspective: bool = False) -> tupl
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     mean = float(sides.mean())
     relative = float(np.hypot(CORNER_SD / mean, sides.std() / mean))
-    square = side * np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
-    plane = cv2.getPerspectiveTransform(corners.astype(np.float32), square) if perspective else None
+    square = side * np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    plane = None
+    if perspective:
+        plane = fit_plane(corners, square, photo.shape, CORNER_SD, lens=False)
     return Scale(side / mean, relative, "ArUco marker", plane), _without(photo, corners)
 
 
@@ -158,10 +195,24 @@ def _without(photo: Photo, corners: np.ndarray) -> Photo:
 
 @dataclass(frozen=True)
 class Request:
-    """A scale as asked for on the command line: its kind and numbers (metres, pixels)."""
+    """A scale as asked for on the command line.
+
+    Attributes
+    ----------
+    kind : str
+        One of PATTERNS.
+    numbers : tuple of float
+        Metres, pixels, counts, in the order they were written.
+    length_sd : float
+        Relative sd of the stated length.
+    board : str or None
+        Photograph of the marker or board, where it is not the one that is measured.
+    """
 
     kind: str
     numbers: tuple[float, ...]
+    length_sd: float = 0.0
+    board: str | None = None
 
 
 def parse_scale(text: str) -> Request:
@@ -170,19 +221,37 @@ def parse_scale(text: str) -> Request:
     Raises
     ------
     Unmeasurable
-        When the text has none of these forms.
+        When the text has none of these forms, or a length in it is not positive.
     """
-    number, unit = r"([\d.eE+-]+)", "(" + "|".join(METRES) + ")"
+    form, _, board = text.partition("@")
+    form, _, doubt = form.partition("+-")
+    kind, values = _match(form.strip())
     try:
-        if match := re.fullmatch(rf"{number}\s*px/{unit}", text):
-            return Request("stated", (float(match[1]) / METRES[match[2]],))
-        if match := re.fullmatch(rf"(marker|plane|filament):{number}\s*{unit}", text):
-            return Request(match[1], (float(match[2]) * METRES[match[3]],))
-        if match := re.fullmatch(
-            rf"ruler:{number},{number},{number},{number}={number}{unit}", text
-        ):
-            ends = tuple(float(match[i]) for i in range(1, 5))
-            return Request("ruler", (*ends, float(match[5]) * METRES[match[6]]))
+        length_sd = float(doubt.strip().removesuffix("%")) / 100 if doubt else 0.0
     except ValueError:
-        pass
-    raise Unmeasurable(f"scale '{text}' is not understood; write it as {FORMS}")
+        kind = None
+    if kind is None or (doubt and "%" not in doubt) or (board and kind not in ON_A_BOARD):
+        raise Unmeasurable(f"scale '{text}' is not understood; write it as {FORMS}")
+    lengths = values[4:] if kind == "ruler" else values
+    if not (np.isfinite(values).all() and min(lengths) > 0 and 0 <= length_sd < 1):
+        raise Unmeasurable(f"scale '{text}': its lengths must be positive, its +- below 100 %")
+    return Request(kind, values, length_sd, board or None)
+
+
+def _match(form: str) -> tuple[str | None, tuple[float, ...]]:
+    """Find the kind of a scale, and its numbers with lengths in metres."""
+    for kind, pattern in PATTERNS.items():
+        match = re.fullmatch(pattern, form)
+        if match is None:
+            continue
+        numbers: list[float] = []
+        try:
+            for part in match.groups():
+                if part in METRES:
+                    numbers[-1] *= METRES[part] if kind != "stated" else 1 / METRES[part]
+                else:
+                    numbers.append(float(part))
+        except ValueError:  # more than one point in a number
+            break
+        return kind, tuple(numbers)
+    return None, ()

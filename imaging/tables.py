@@ -1,43 +1,39 @@
-"""Strands, crossings and interactions of one photograph as tables in pixels and metres."""
+"""Strands, crossings, interactions and link density of one photograph in pixels and metres."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
 
-from imaging.centreline import arclength
-from imaging.crossings import crossings
-from imaging.interactions import densities, events, interactions
-from imaging.photo import Photo
-from imaging.scale import (
-    Request,
-    Scale,
-    from_filament,
-    from_marker,
-    from_ruler,
-    stated,
-    without_markers,
-)
-from imaging.segment import Segmentation, segment
-from imaging.trace import Strand, trace
+from imaging.centreline import arclength, normals
+from imaging.helix_measurement import HelixMeasurement
+from imaging.measure import Measured
+from imaging.scale import Scale
+from imaging.trace import Strand
 
-OTHER_SECTIONS = (0.5, 2.0)  # times n_sec, to show how much the densities depend on it
-
+COVER = 1.96  # sds in a 95 % interval
+LINK_COLUMNS = ["strand_a", "strand_b", "s", "x", "y", "link_per_px", "sd_per_px", "R", "R_sd"]
 DICTIONARY = {
     "photo": "name of the photograph's file",
     "strand": "strand number from 1, as in labels.png and overlay.png",
-    "s": "arclength from the root (upper end) [px]",
-    "x": "position, right of the first pixel's centre [px]",
-    "y": "position, below the first pixel's centre [px]",
+    "s": "arclength from the root (upper end) [px]; in link.csv along the axis of the pair",
+    "x": "position, right of the first pixel's centre [px]; in link.csv of the axis",
+    "y": "position, below the first pixel's centre [px]; in link.csv of the axis",
     "width": "strand width, half-contrast edge to edge [px]",
     "sd": "standard deviation of the centreline across the strand [px]",
     "edges": "strand edges seen at this point: 2, 1, or 0 = hidden under another strand",
-    "s_m, x_m, y_m, width_m, sd_m, s_a_m, s_b_m": "the same in metres (only with a scale)",
-    "strand_a, strand_b": "the two strands that cross; equal for a self-crossing",
+    "s_m, x_m, y_m, width_m, sd_m, s_a_m, s_b_m, R_m, R_sd_m": (
+        "the same as without _m, in metres in the plane of the strands (only with a scale); the "
+        "sd of the scale is not in them, see scale_sd"
+    ),
+    "scale_sd": (
+        "relative standard deviation of the scale: of every length in metres of the row, "
+        "common to the photograph"
+    ),
+    "strand_a, strand_b": "the two strands that cross or wind; equal for a self-crossing",
     "kind": "inter = two strands, self = one strand with itself",
     "s_a, s_b": "arclength of the crossing along each strand [px]",
-    "angle": "angle between the strands, 0 to pi/2 [rad]",
+    "angle": "angle between the strands, 0 to pi/2 [rad]; with perspective, in their plane",
     "over": "number of the strand on top; empty = unknown",
     "confidence": "probability that `over` is right",
     "section": "section of the curl's axis from 1 at the roots",
@@ -45,75 +41,14 @@ DICTIONARY = {
     "count": "number of such interactions",
     "density_per_px, density_per_m": "count over the section's (or curl's) length [1/px, 1/m]",
     "rule": "how crossings were gathered into interactions",
-    "low, high": "exact 95 % Poisson interval of the density [1/px], or [1/m] with suffix _per_m",
+    "low, high": "exact 95 % Poisson interval of the density [1/px]",
+    "low_per_m, high_per_m": "the same [1/m], widened by the sd of the scale",
+    "link_per_px, link_per_m": (
+        "link density lambda [1/px, 1/m], right-handed > 0; empty = not resolved"
+    ),
+    "sd_per_px, sd_per_m": "its standard deviation; per metre with that of the scale",
+    "R, R_sd": "helix radius and its standard deviation [px]",
 }
-
-
-@dataclass(frozen=True)
-class Measured:
-    """Everything measured on one photograph; lengths in pixels, `scale` leads to metres."""
-
-    photo: Photo
-    segmentation: Segmentation
-    strands: list[Strand]
-    crossings: pd.DataFrame
-    interactions: pd.DataFrame | None
-    densities: pd.DataFrame | None
-    scale: Scale | None
-
-
-def measure(photo: Photo, request: Request | None = None, n_sec: int = 20) -> Measured:
-    """Measure strands, crossings and interactions of one photograph.
-
-    Parameters
-    ----------
-    photo : Photo
-    request : Request, optional
-        Where the scale comes from (`imaging.scale.parse_scale`); none = pixels only.
-    n_sec : int
-        Sections of the curl's axis.
-
-    Raises
-    ------
-    Unmeasurable
-        When nothing stands out, or the scale cannot be found.
-    """
-    scale = None
-    if request is not None and request.kind in ("marker", "plane"):
-        scale, photo = from_marker(photo, *request.numbers, perspective=request.kind == "plane")
-    else:
-        photo = without_markers(photo)
-    segmentation = segment(photo)
-    strands = trace(segmentation, photo)
-    if request is not None and scale is None:
-        scale = _scale(request, strands)
-    table = crossings(strands, segmentation)
-    found = dense = None
-    if len(strands) > 1:
-        found = interactions(strands, n_sec, table=table)
-        dense = _all_densities(strands, table, n_sec)
-    return Measured(photo, segmentation, strands, table, found, dense, scale)
-
-
-def _scale(request: Request, strands: list[Strand]) -> Scale:
-    if request.kind == "stated":
-        return stated(*request.numbers)
-    if request.kind == "filament":
-        return from_filament(strands, *request.numbers)
-    x0, y0, x1, y1, length = request.numbers
-    return from_ruler((x0, y0), (x1, y1), length)
-
-
-def _all_densities(strands: list[Strand], table: pd.DataFrame, n_sec: int) -> pd.DataFrame:
-    """Densities by the asked rule, by coarser and finer sections, and without sections."""
-    radius = float(np.median(np.concatenate([strand.width for strand in strands]))) / 2
-    parts = []
-    for number in sorted({n_sec, *(max(1, round(n_sec * factor)) for factor in OTHER_SECTIONS)}):
-        parts.append(densities(interactions(strands, number, table=table)))
-        parts[-1].insert(0, "rule", f"{number} sections")
-    parts.append(densities(events(strands, radius, table=table)))
-    parts[-1].insert(0, "rule", "touching overlaps")
-    return pd.concat(parts, ignore_index=True)
 
 
 def strands_table(measured: Measured, name: str) -> pd.DataFrame:
@@ -122,10 +57,7 @@ def strands_table(measured: Measured, name: str) -> pd.DataFrame:
         _strand_rows(number, strand, measured.scale)
         for number, strand in enumerate(measured.strands, start=1)
     ]
-    columns = ["strand", "s", "x", "y", "width", "sd", "edges"]
-    table = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=columns)
-    table.insert(0, "photo", name)
-    return table
+    return _finished(pd.concat(parts, ignore_index=True), measured, name)
 
 
 def _strand_rows(number: int, strand: Strand, scale: Scale | None) -> pd.DataFrame:
@@ -142,37 +74,115 @@ def _strand_rows(number: int, strand: Strand, scale: Scale | None) -> pd.DataFra
     )
     if scale is not None:
         place = scale.metres(strand.line)
+        pixel = scale.step(strand.line, normals(strand.line))
         rows["s_m"] = arclength(place)
         rows["x_m"], rows["y_m"] = place.T
-        rows["width_m"] = strand.width * scale.metres_per_pixel
-        rows["sd_m"] = strand.sd * scale.metres_per_pixel
+        rows["width_m"] = strand.width * pixel
+        rows["sd_m"] = strand.sd * pixel
     return rows
 
 
 def crossings_table(measured: Measured, name: str) -> pd.DataFrame:
     """Return one row a crossing, in pixels and (with a scale) metres."""
     table = measured.crossings.copy()
-    table.insert(0, "photo", name)
     if measured.scale is not None:
-        place = measured.scale.metres(table[["x", "y"]].to_numpy(float))
-        table["x_m"], table["y_m"] = place.T
-        for column in ("s_a", "s_b"):
-            table[f"{column}_m"] = table[column] * measured.scale.metres_per_pixel
-    return table
+        scale = measured.scale
+        x, y = scale.metres(table[["x", "y"]].to_numpy(float)).T
+        table = table.assign(x_m=x, y_m=y)
+        lines = [(s.line, scale.metres(s.line)) for s in measured.strands]
+        for which in "ab":
+            table[f"s_{which}_m"] = _along(lines, table, which, arclength)
+        if scale.plane is not None:
+            heading = [_along(lines, table, which, _heading) for which in "ab"]
+            turned = np.abs(np.mod(np.subtract(*heading) + np.pi / 2, np.pi) - np.pi / 2)
+            table["angle"] = turned
+    return _finished(table, measured, name)
 
 
-def densities_table(found: pd.DataFrame | None, scale: Scale | None, name: str) -> pd.DataFrame:
+def _along(
+    lines: Sequence[tuple[np.ndarray, np.ndarray]],
+    table: pd.DataFrame,
+    which: str,
+    quantity: Callable[[np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Interpolate a quantity of the metric centrelines at the crossings' arclengths (n,)."""
+    values = np.empty(len(table))
+    for number, (line, place) in enumerate(lines, start=1):
+        own = (table[f"strand_{which}"] == number).to_numpy()
+        values[own] = np.interp(table[f"s_{which}"][own], arclength(line), quantity(place))
+    return values
+
+
+def _heading(line: np.ndarray) -> np.ndarray:
+    x, y = np.gradient(line, axis=0).T
+    return np.unwrap(np.arctan2(y, x))
+
+
+def densities_table(found: pd.DataFrame | None, measured: Measured, name: str) -> pd.DataFrame:
     """Return interactions or densities with the unit in the columns' names."""
     if found is None:
         return pd.DataFrame(columns=["photo", "N", "count", "density_per_px"])
     table = found.rename(columns={"density": "density_per_px"})
+    if measured.scale is not None:
+        per_metre = 1 / measured.scale.metres_per_pixel
+        density = table["density_per_px"] * per_metre
+        table["density_per_m"] = density
+        if "low" in table:
+            low, high = table["low"] * per_metre, table["high"] * per_metre
+            reach = COVER * measured.scale_sd
+            table["low_per_m"] = (density - np.hypot(density - low, reach * density)).clip(lower=0)
+            table["high_per_m"] = density + np.hypot(high - density, reach * high)
+    return _finished(table, measured, name)
+
+
+def link_table(measured: Measured, name: str) -> pd.DataFrame:
+    """Return lambda(s) with R for every pair of strands that wind; no rows where none do."""
+    if not measured.links:
+        return pd.DataFrame(columns=["photo", *LINK_COLUMNS])
+    parts = [
+        _link_rows(helix, measured).assign(strand_a=a, strand_b=b)
+        for (a, b), helix in measured.links.items()
+    ]
+    rows = pd.concat(parts, ignore_index=True)
+    rest = [column for column in rows if column not in LINK_COLUMNS]
+    return _finished(rows[LINK_COLUMNS + rest], measured, name)
+
+
+def _link_rows(helix: HelixMeasurement, measured: Measured) -> pd.DataFrame:
+    link, phase, scale = helix.link_density, helix.phase, measured.scale
+    rows = pd.DataFrame(
+        {
+            "s": link["s"],
+            "x": phase["x"],
+            "y": phase["y"],
+            "link_per_px": link["link"],
+            "sd_per_px": link["sd"],
+            "R": phase["R"],
+            "R_sd": phase["R_sd"],
+        }
+    )
     if scale is not None:
-        per_metre = 1 / scale.metres_per_pixel
-        for column in ("density_per_px", "low", "high"):
-            if column in table:
-                table[f"{column.removesuffix('_per_px')}_per_m"] = table[column] * per_metre
+        axis = helix.axis
+        across = normals(axis)
+        along = scale.step(axis, np.stack([across[:, 1], -across[:, 0]], axis=1))
+        # The axis may lean out of the picture: its own length over that in the picture.
+        longer = helix.link_density["s"].iloc[-1] / arclength(axis)[-1]
+        rows["s_m"] = longer * arclength(scale.metres(axis))
+        rows["x_m"], rows["y_m"] = scale.metres(axis).T
+        rows["link_per_m"] = rows["link_per_px"] / along
+        rows["sd_per_m"] = np.hypot(
+            rows["sd_per_px"] / along, measured.scale_sd * rows["link_per_m"]
+        )
+        step = scale.step(axis, across)
+        rows["R_m"], rows["R_sd_m"] = rows["R"] * step, rows["R_sd"] * step
+    return rows
+
+
+def _finished(table: pd.DataFrame, measured: Measured, name: str) -> pd.DataFrame:
+    """Put the photograph's name first and, with a scale, its relative sd last."""
+    table = table.copy()
     table.insert(0, "photo", name)
-    return table
+    return table if measured.scale is None else table.assign(scale_sd=measured.scale_sd)
 
 
 def columns_of(tables: Sequence[pd.DataFrame]) -> str:

@@ -1,37 +1,22 @@
-"""``combing photo``: photographs to strands, crossings and N-body interactions."""
+"""``combing photo``: photographs to strands, crossings, N-body interactions and link density."""
 
-import glob
-import hashlib
 import json
-import shutil
 import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import click
-import cv2
-import numpy as np
-import pandas as pd
 from tqdm import tqdm
 
 import imaging
-from combing import __version__
 from combing.errors import UserError, is_users_fault
-from imaging.overlay import draw_overlay, histogram, labels_picture, overlay_svg
+from combing.photo_files import earlier, fingerprint, write_batch, write_photo
+from combing.photographs import find_photographs
+from imaging.measure import Measured, measure
+from imaging.region import FORMS as REGION_FORMS
+from imaging.region import parse_region
 from imaging.scale import FORMS, Request, parse_scale
-from imaging.tables import (
-    Measured,
-    columns_of,
-    crossings_table,
-    densities_table,
-    measure,
-    strands_table,
-)
-
-SUFFIXES = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".heic", ".dng", ".nef", ".cr2", ".arw"}
-TABLES = ("strands.csv", "crossings.csv", "interactions.csv", "densities.csv")
-RECORD = "provenance.json"  # written last: its presence says that a photograph is done
 
 
 @dataclass(frozen=True)
@@ -40,7 +25,7 @@ class Options:
 
     scale: str | None
     n_sec: int
-    roi: tuple[int, int, int, int] | None
+    roi: str | None
     ignore: str | None
 
 
@@ -51,8 +36,8 @@ class Options:
 @click.option("--scale", help=f"Pixels to metres: {FORMS}. Without it, results are in pixels.")
 @click.option("--n-sec", type=click.IntRange(min=1), default=20, show_default=True,
               help="Sections of the curl's axis for N-body interactions.")  # fmt: skip
-@click.option("--roi", help="Look only inside x0,y0,x1,y1 [px].")
-@click.option("--ignore", type=click.Path(), help="Mask picture; what is not black is ignored.")
+@click.option("--roi", help=f"Look only inside {REGION_FORMS}.")
+@click.option("--ignore", type=click.Path(), help="Mask picture; white is ignored.")
 @click.option("--again", is_flag=True, help="Measure anew what is already in the output folder.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @click.option("--quiet", is_flag=True, help="No progress.")
@@ -69,111 +54,114 @@ def command(
 ) -> None:
     """Trace coloured strands and count their crossings and N-body interactions.
 
-    FILES are photographs (JPEG, PNG, TIFF; HEIC and camera RAW with the extra 'formats'), folders
-    or patterns. A batch that was interrupted takes up where it stopped; a photograph that cannot
-    be measured is listed with its reason and does not stop the others.
+    FILES are photographs (JPEG, PNG, TIFF; HEIC and camera RAW with the extra 'formats'), folders,
+    patterns, or sequences like frame_%04d.png. A batch that was interrupted takes up where it
+    stopped; a photograph that cannot be measured is listed with its reason and does not stop the
+    others.
 
     \b
     Example:
       combing photo curl.jpg --scale marker:20mm -o out/
-      combing photo session/ --scale 41.5px/mm --n-sec 20 -o out/
+      combing photo session/ --scale 41.5px/mm+-1% --n-sec 20 -o out/
+      combing photo session/*.jpg --scale charuco:7x5,15mm,11mm@board.jpg -o out/
     """
-    paths = _expand(files)
-    request = parse_scale(scale) if scale else None
-    options = Options(scale, n_sec, _parse_roi(roi), ignore)
-    if len(paths) > 1:  # one photograph alone makes no folder before it is measured
-        output.mkdir(parents=True, exist_ok=True)
-    folders = _folders(paths, output)
-    rows = []
-    for path, folder in tqdm(
-        list(zip(paths, folders, strict=True)), unit="photo", disable=quiet or len(paths) < 2
-    ):
-        rows.append(_one(path, folder, request, options, again, alone=len(paths) == 1))
-    if len(paths) > 1:
-        _combine(output, [f for f, row in zip(folders, rows, strict=True) if not row["refused"]])
-        _write_text(output / "summary.json", json.dumps(rows, indent=1))
+    paths = find_photographs(files)
+    _refuse_output(output, paths)
+    asked = _Asked(Options(scale, n_sec, roi, ignore), parse_scale(scale) if scale else None, again)
+    if len(paths) == 1:
+        rows, defect = [_one(paths[0], output, paths[0].name, asked)], None
+    else:
+        rows, defect = _batch(paths, output, asked, quiet)
     click.echo(json.dumps(rows, indent=1) if as_json else _summary(rows, output))
+    if defect is not None:
+        raise defect
     if all(row["refused"] for row in rows):
         raise UserError(f"none of the {len(rows)} photographs could be measured (reasons above)")
 
 
-def _expand(files: tuple[str, ...]) -> list[Path]:
-    """Replace patterns and folders by the photographs they stand for."""
-    found: list[Path] = []
-    for text in files:
-        path = Path(text)
-        if path.is_dir():
-            inside = sorted(p for p in path.iterdir() if p.suffix.lower() in SUFFIXES)
-            if not inside:
-                raise UserError(f"{path}: no photographs ({', '.join(sorted(SUFFIXES))}) in it")
-            found += inside
-        elif path.exists():
-            found.append(path)
-        else:
-            matches = sorted(map(Path, glob.glob(text)))  # noqa: PTH207 - also absolute patterns
-            if not matches:
-                raise UserError(f"{path}: no such file; give photographs, folders or patterns")
-            found += matches
-    return list(dict.fromkeys(found))
+@dataclass(frozen=True)
+class _Asked:
+    options: Options
+    request: Request | None
+    again: bool
 
 
-def _parse_roi(text: str | None) -> tuple[int, int, int, int] | None:
-    if text is None:
-        return None
+def _batch(
+    paths: list[Path], output: Path, asked: _Asked, quiet: bool
+) -> tuple[list[dict[str, Any]], Exception | None]:
+    """Measure each photograph into a folder of its own; returns the summary and a defect of ours.
+
+    What cannot be measured does not stop the others, and neither does a defect, which is only
+    raised in the end.
+    """
+    rows, done, defect = [], [], None
+    for path, name in tqdm(
+        list(zip(paths, _names(paths), strict=True)), unit="photo", disable=quiet
+    ):
+        try:
+            rows.append(_one(path, output / name, name + path.suffix, asked))
+            done.append(output / name)
+        except Exception as error:
+            rows.append({"photo": path.name, "refused": _reason(error)})
+            if not is_users_fault(error):
+                defect = defect or error
+    write_batch(output, done, rows)
+    return rows, defect
+
+
+def _refuse_output(output: Path, paths: list[Path]) -> None:
+    """Find out now, not after the last photograph, that results cannot be written."""
+    if any(path.absolute().parent.resolve() == output.resolve() for path in paths):
+        raise UserError(
+            f"{output}: is the folder of the photographs; pictures of the results would be taken "
+            "for photographs the next time: give another folder with -o"
+        )
+    there = next(p for p in (output.absolute(), *output.absolute().parents) if p.exists())
+    if not there.is_dir():
+        raise UserError(f"{there}: is a file; -o wants a folder")
     try:
-        x0, y0, x1, y1 = (int(part) for part in text.split(","))
-    except ValueError:
-        raise UserError(f"--roi {text}: give four whole numbers x0,y0,x1,y1 in pixels") from None
-    return x0, y0, x1, y1
+        with tempfile.TemporaryDirectory(dir=there, prefix=".partial-"):
+            pass
+    except OSError as error:
+        raise UserError(
+            f"{output}: cannot be written ({error.strerror}); give another folder with -o"
+        ) from error
 
 
-def _folders(paths: list[Path], output: Path) -> list[Path]:
-    """Name a folder for each photograph; equal names get a number."""
-    if len(paths) == 1:
-        return [output]
+def _names(paths: list[Path]) -> list[str]:
+    """Name each photograph's folder; equal names get a number."""
     names: list[str] = []
+    taken: set[str] = set()
     for path in paths:
         name, number = path.stem, 2
-        while name in names:
+        while name.casefold() in taken:  # some file systems do not tell A from a
             name, number = f"{path.stem}-{number}", number + 1
+        taken.add(name.casefold())
         names.append(name)
-    return [output / name for name in names]
+    return names
 
 
-def _one(
-    path: Path, folder: Path, request: Request | None, options: Options, again: bool, alone: bool
-) -> dict[str, Any]:
-    """Measure one photograph into its folder, or say why not; returns its line of the summary."""
-    try:
-        record = _record_of(path, options)
-        if not again and (old := _earlier(folder, record)) is not None:
-            return old
-        photo = imaging.read_photo(path, roi=options.roi, ignore=options.ignore)
-        measured = measure(photo, request, options.n_sec)
-        record["summary"] = _row(path, measured)
-        name = path.name if alone else folder.name + path.suffix
-        _write(folder, name, measured, record)
-    except Exception as error:
-        if alone or not is_users_fault(error):
-            raise
-        return {"photo": path.name, "refused": str(error)}
+def _reason(error: Exception) -> str:
+    if is_users_fault(error):
+        return str(error)
+    return f"a defect of this program ({type(error).__name__}: {error}); please report it"
+
+
+def _one(path: Path, folder: Path, name: str, asked: _Asked) -> dict[str, Any]:
+    """Measure one photograph into its folder; returns its line of the summary."""
+    options, request = asked.options, asked.request
+    roi = parse_region(options.roi) if options.roi else None
+    board = request.board if request else None
+    besides = [Path(one) for one in (roi, options.ignore, board) if isinstance(one, str | Path)]
+    record: dict[str, Any] = {"input": fingerprint(path, asdict(options), besides)}
+    if not asked.again and (old := earlier(folder, record["input"])) is not None:
+        return old | {"kept": True}
+    photo = imaging.read_photo(path, roi=roi, ignore=options.ignore)
+    measured = measure(photo, request, options.n_sec)
+    record["exif"] = photo.exif
+    record["summary"] = _row(path, measured)
+    write_photo(folder, name, measured, record)
     return record["summary"]
-
-
-def _record_of(path: Path, options: Options) -> dict[str, Any]:
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    versions = {"combing": __version__, "opencv": cv2.__version__, "numpy": np.__version__}
-    asked = json.loads(json.dumps(asdict(options)))
-    return {"input": {"photo": path.name, "sha256": digest, "options": asked} | versions}
-
-
-def _earlier(folder: Path, record: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the summary of the same measurement done before, if its record is whole."""
-    try:
-        old = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-        return old["summary"] if old["input"] == record["input"] else None
-    except (OSError, ValueError, KeyError):
-        return None
 
 
 def _row(path: Path, measured: Measured) -> dict[str, Any]:
@@ -188,6 +176,7 @@ def _row(path: Path, measured: Measured) -> dict[str, Any]:
         "over_unknown": int(measured.crossings["over"][kinds == "inter"].isna().sum()),
         "ends": [list(strand.ends) for strand in measured.strands],
         "strand_width_px": round(measured.segmentation.width, 2),
+        "notes": measured.notes,
     }
     if measured.interactions is not None:
         count = measured.interactions.groupby("N")["count"].sum()
@@ -195,108 +184,36 @@ def _row(path: Path, measured: Measured) -> dict[str, Any]:
         row["interactions"] = {str(n): int(k) for n, k in count.items() if k}
     if measured.scale is not None:
         row["metres_per_pixel"] = measured.scale.metres_per_pixel
-        row["scale_relative_sd"] = measured.scale.relative_sd
+        row["scale_relative_sd"] = measured.scale_sd
         row["scale_from"] = measured.scale.how
+    row["wind"] = [
+        {"strands": list(pair), "handedness": helix.handedness, "total_link": helix.total_link,
+         "total_link_sd": helix.total_link_sd, "notes": list(helix.warnings)}
+        for pair, helix in measured.links.items()
+    ]  # fmt: skip
     return row
 
 
-def _write(folder: Path, name: str, measured: Measured, record: dict[str, Any]) -> None:
-    """Write all files to a hidden folder, then move them into place, the record last."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".partial-") as partial:
-        _fill(Path(partial), name, measured)
-        (folder / RECORD).unlink(missing_ok=True)
-        for file in sorted(Path(partial).iterdir()):
-            file.replace(folder / file.name)
-    _write_text(folder / RECORD, json.dumps(record, indent=1))
-
-
-def _fill(folder: Path, name: str, measured: Measured) -> None:
-    tables = [
-        strands_table(measured, name),
-        crossings_table(measured, name),
-        densities_table(measured.interactions, measured.scale, name),
-        densities_table(measured.densities, measured.scale, name),
-    ]
-    for file, table in zip(TABLES, tables, strict=True):
-        table.to_csv(folder / file, index=False, float_format="%.7g", lineterminator="\n")
-    found = (measured.photo, measured.segmentation, measured.strands, measured.crossings)
-    labels = labels_picture(measured.segmentation, measured.strands)
-    _write_picture(folder / "labels.png", labels)
-    _write_picture(folder / "overlay.png", draw_overlay(*found)[..., ::-1])
-    (folder / "overlay.svg").write_text(overlay_svg(*found), encoding="utf-8")
-    if measured.densities is not None:
-        _write_histogram(folder, measured)
-    (folder / "DATA.md").write_text(_data_md(tables), encoding="utf-8")
-
-
-def _write_picture(path: Path, pixels: np.ndarray) -> None:
-    """Write a PNG through Python's own file handling, which knows any path and raises."""
-    path.write_bytes(cv2.imencode(".png", pixels)[1].tobytes())
-
-
-def _write_histogram(folder: Path, measured: Measured) -> None:
-    assert measured.densities is not None
-    assert measured.interactions is not None
-    asked = measured.interactions.attrs["n_sec"]
-    shown = measured.densities[measured.densities["rule"] == f"{asked} sections"].copy()
-    shown.attrs = {"n_sec": asked}
-    unit = "px"
-    if measured.scale is not None:
-        shown[["density", "low", "high"]] /= measured.scale.metres_per_pixel
-        unit = "m"
-    figure = histogram(shown, unit)
-    figure.savefig(folder / "histogram.png", dpi=150)
-    figure.savefig(folder / "histogram.svg", metadata={"Date": None})
-
-
-def _data_md(tables: list[pd.DataFrame]) -> str:
-    return (
-        "# What the files hold\n\n"
-        "Picture points are pixel centres at whole numbers, x to the right, y down; ImageJ counts "
-        "from the corner: add 0.5.\nAn empty cell is unknown.\n\n"
-        "- `strands.csv` centrelines, root (upper end) to tip\n"
-        "- `crossings.csv` where strands cross, and which is on top\n"
-        "- `interactions.csv` N-body interactions by section of the curl\n"
-        "- `densities.csv` rho_N with intervals; by the rule asked for, by coarser and finer "
-        "sections, and without sections\n"
-        "- `labels.png` strand number of each pixel, 0 = background, the top strand wins\n"
-        "- `overlay.png`, `overlay.svg` what was found, over the photograph\n"
-        "- `provenance.json` what was measured, how, and by which versions\n\n"
-    ) + columns_of(tables)
-
-
-def _combine(output: Path, folders: list[Path]) -> None:
-    """Gather the tables of all photographs."""
-    for name in TABLES:
-        parts = [pd.read_csv(folder / name) for folder in folders]
-        parts = [part for part in parts if len(part)]
-        if parts:
-            text = pd.concat(parts, ignore_index=True).to_csv(index=False, float_format="%.7g")
-            _write_text(output / name, text)
-    if folders:
-        shutil.copyfile(folders[0] / "DATA.md", output / "DATA.md")
-
-
-def _write_text(path: Path, text: str) -> None:
-    partial = path.with_name(f".{path.name}.partial")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(path)
-
-
 def _summary(rows: list[dict[str, Any]], output: Path) -> str:
-    lines = [_line(row) for row in rows]
+    lines = [line for row in rows for line in _lines(row)]
     refused = sum(bool(row["refused"]) for row in rows)
-    lines.append(f"{len(rows) - refused} measured, {refused} refused; results in {output}")
+    kept = sum(bool(row.get("kept")) for row in rows)
+    before = f" ({kept} of them before; --again measures anew)" if kept else ""
+    lines.append(f"{len(rows) - refused} measured{before}, {refused} refused; results in {output}")
     return "\n".join(lines)
 
 
-def _line(row: dict[str, Any]) -> str:
+def _lines(row: dict[str, Any]) -> list[str]:
+    """Say what was found in a photograph, and below it what is doubtful."""
     if row["refused"]:
-        return f"{row['photo']}: REFUSED, {row['refused']}"
+        return [f"{row['photo']}: REFUSED, {row['refused']}"]
     counts = ", ".join(f"{k} of {n}" for n, k in row.get("interactions", {}).items())
-    text = f"{row['photo']}: {row['strands']} strands, {row['crossings']} crossings"
-    text += f" (+ {row['self_crossings']} with themselves)"
+    text = f"{row['photo']}: {_number(row['strands'], 'strand')}"
+    text += f", {_number(row['crossings'], 'crossing')}"
+    if row["over_unknown"]:
+        text += f" ({row['over_unknown']} with unknown top)"
+    if row["self_crossings"]:
+        text += f", {row['self_crossings']} of strands with themselves"
     if "n_sec" in row:
         text += f"; interactions in {row['n_sec']} sections: {counts or 'none'}"
     if "metres_per_pixel" in row:
@@ -304,4 +221,13 @@ def _line(row: dict[str, Any]) -> str:
         text += f" +- {100 * row['scale_relative_sd']:.2g} % ({row['scale_from']})"
     else:
         text += "; no scale: lengths in pixels"
-    return text
+    wind = [
+        f"  strands {w['strands'][0]} and {w['strands'][1]} wind {w['handedness']}-handed, "
+        f"{abs(w['total_link']):.3f} +- {w['total_link_sd']:.3f} turns"
+        for w in row["wind"]
+    ]
+    return [text, *wind, *(f"  note: {note}" for note in row["notes"])]
+
+
+def _number(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"

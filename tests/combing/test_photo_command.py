@@ -12,7 +12,7 @@ from combing.cli import main
 from imaging.synthetic import render
 
 FILES = {
-    "strands.csv", "crossings.csv", "interactions.csv", "densities.csv", "labels.png",
+    "strands.csv", "crossings.csv", "interactions.csv", "densities.csv", "link.csv", "labels.png",
     "overlay.png", "overlay.svg", "histogram.png", "histogram.svg", "DATA.md", "provenance.json",
 }  # fmt: skip
 
@@ -47,7 +47,7 @@ def pictures(tmp_path_factory) -> Path:
 def test_one_photograph(pictures, tmp_path, capsys):
     out = tmp_path / "out"
     assert run("photo", pictures / "a.png", "-o", out, "--scale", "10px/mm", "--quiet") == 0
-    assert {path.name for path in out.iterdir()} == FILES
+    assert {path.name for path in out.iterdir()} - {"rois.zip"} == FILES
     strands = pd.read_csv(out / "strands.csv")
     crossings = pd.read_csv(out / "crossings.csv")
     assert set(strands["strand"]) == {1, 2, 3}
@@ -77,7 +77,7 @@ def test_every_column_is_explained(pictures, tmp_path):
     words = {word.strip(" ,") for word in explained.replace("|", " ").split()}
     for path in tmp_path.glob("*.csv"):
         for column in pd.read_csv(path).columns:
-            assert column.removesuffix("_per_m") in words | {"density"}, column
+            assert column in words, column
 
 
 def test_a_batch_goes_on_and_says_what_was_refused(pictures, tmp_path, capsys):
@@ -113,7 +113,7 @@ def test_a_batch_takes_up_where_it_stopped(pictures, tmp_path):
         ("cut.jpg", (), "cannot be read as a picture"),
         ("a.png", ("--scale", "fast"), "write it as"),
         ("a.png", ("--scale", "marker:20mm"), "no ArUco marker"),
-        ("a.png", ("--roi", "1,2,3"), "four whole numbers"),
+        ("a.png", ("--roi", "1,2,3"), "x0,y0,x1,y1 in whole pixels"),
         ("a.png", ("--roi", "0,0,9000,9"), "does not lie in the picture"),
     ],
 )
@@ -140,6 +140,14 @@ def test_a_twisted_pair_beside_a_marker_is_two_strands(tmp_path):
     record = json.loads((tmp_path / "provenance.json").read_text())
     assert record["summary"]["strands"] == 2
     assert record["summary"]["colours"] == 2
+    (wind,) = record["summary"]["wind"]
+    assert wind["handedness"] == "right"
+    link = pd.read_csv(tmp_path / "link.csv")
+    inside = link["link_per_px"].dropna()
+    assert len(inside) > 0.9 * len(link)
+    assert inside.mean() == pytest.approx(
+        wind["total_link"] / np.ptp(link["s"][inside.index]), rel=0.01
+    )
 
 
 def test_a_photograph_that_cannot_be_measured_leaves_no_folder(pictures, tmp_path):

@@ -9,13 +9,13 @@ from skimage.color import rgb2lab
 import instron
 import sim
 from combing.camera import project
-from combing.errors import UserError
 from combing.photographs import read_to_scale
 from combing.render import Tine
 from combing.study import Study
 from combing.virtual_lab import photographs, specimens
 from combing.virtual_lab.machine import LoadCell, draw_cell, record
 from combing.virtual_lab.palette import palette
+from imaging import Unmeasurable
 
 RADIUS, PITCH = 4.25e-4, 18 * 4.25e-4
 QUIET = LoadCell(offset=0.0, drift=0.0, noise=0.0, resolution=1e-9)
@@ -136,7 +136,7 @@ def test_marker_gives_the_scale_and_is_kept_out(photo):
 def test_a_photograph_without_marker_is_refused(tmp_path):
     path = tmp_path / "plain.png"
     Image.fromarray(np.full((200, 300, 3), 90, np.uint8)).save(path)
-    with pytest.raises(UserError, match="no ArUco marker found"):
+    with pytest.raises(Unmeasurable, match="no ArUco marker found"):
         read_to_scale(path, marker_side=0.008)
     assert read_to_scale(path, pixel_size=1e-5)[1] == 1e-5
 

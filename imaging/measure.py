@@ -1,0 +1,133 @@
+"""Everything that `combing photo` tells of one photograph, in one call."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from imaging.calibration import calibrate, filament_scale
+from imaging.crossings import crossings
+from imaging.errors import Unmeasurable
+from imaging.helix_measurement import HelixMeasurement
+from imaging.interactions import densities, events, interactions
+from imaging.photo import Photo
+from imaging.quality import exposure, notes_on
+from imaging.scale import Request, Scale
+from imaging.segment import Segmentation, segment
+from imaging.trace import Strand, trace
+from imaging.winding import Pair, winding_pairs, wound
+
+OTHER_SECTIONS = (0.5, 2.0)  # times n_sec, to show how much the densities depend on it
+EVERY = 25  # centreline points between those at which the scale's sd is averaged
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Everything measured on one photograph; lengths in pixels, `scale` leads to metres.
+
+    Attributes
+    ----------
+    photo : Photo
+    segmentation : Segmentation
+    strands : list of Strand
+    crossings : DataFrame
+        From `imaging.crossings`.
+    interactions, densities : DataFrame or None
+        By section and summed; None where there are fewer than two strands. Where the scale has
+        perspective, sections are cut in the plane of the strands, and a pixel is the mean one.
+    scale : Scale or None
+    links : dict
+        A `HelixMeasurement` [px] for every pair of strands that wind round each other.
+    notes : list of str
+        What makes the numbers doubtful, and where.
+    """
+
+    photo: Photo
+    segmentation: Segmentation
+    strands: list[Strand]
+    crossings: pd.DataFrame
+    interactions: pd.DataFrame | None
+    densities: pd.DataFrame | None
+    scale: Scale | None
+    links: dict[Pair, HelixMeasurement] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def scale_sd(self) -> float:
+        """Relative sd of the scale, mean over the strands; 0 without a scale."""
+        if self.scale is None:
+            return 0.0
+        points = np.concatenate([strand.line[::EVERY] for strand in self.strands])
+        return float(self.scale.sd_at(points).mean())
+
+
+def measure(photo: Photo, request: Request | None = None, n_sec: int = 20) -> Measured:
+    """Measure strands, crossings, interactions and link density of one photograph.
+
+    Parameters
+    ----------
+    photo : Photo
+    request : Request, optional
+        Where the scale comes from (`imaging.scale.parse_scale`); none = pixels only.
+    n_sec : int
+        Sections of the curl's axis.
+
+    Raises
+    ------
+    Unmeasurable
+        When nothing stands out, or the scale cannot be found.
+    """
+    scale, photo = calibrate(photo, request)
+    segmentation, strands = _strands(photo)
+    if request is not None and scale is None:
+        scale = filament_scale(request, strands)
+    table = crossings(strands, segmentation)
+    found = dense = None
+    if len(strands) > 1:
+        lines, flat = _in_plane(strands, table, scale)
+        found = interactions(lines, n_sec, table=flat)
+        dense = _all_densities(lines, flat, n_sec, _radius(strands))
+    links, notes = wound(photo, segmentation, strands, winding_pairs(table))
+    notes = notes_on(photo, segmentation, strands) + notes
+    return Measured(photo, segmentation, strands, table, found, dense, scale, links, notes)
+
+
+def _strands(photo: Photo) -> tuple[Segmentation, list[Strand]]:
+    try:
+        segmentation = segment(photo)
+    except Unmeasurable as error:
+        reason = exposure(photo)
+        raise Unmeasurable(f"{error} ({reason})") if reason else error from None
+    strands = trace(segmentation, photo)
+    if not strands:
+        raise Unmeasurable(f"{photo.source}: what stands out cannot be followed as a strand")
+    return segmentation, strands
+
+
+def _in_plane(
+    strands: list[Strand], table: pd.DataFrame, scale: Scale | None
+) -> tuple[list[np.ndarray], pd.DataFrame]:
+    """Centrelines and crossings as seen from straight above, in mean pixels."""
+    lines = [strand.line for strand in strands]
+    if scale is None or scale.plane is None:
+        return lines, table
+    pixel = scale.metres_per_pixel
+    x, y = scale.metres(table[["x", "y"]].to_numpy(float)).T / pixel
+    return [scale.metres(line) / pixel for line in lines], table.assign(x=x, y=y)
+
+
+def _radius(strands: list[Strand]) -> float:
+    return float(np.median(np.concatenate([strand.width for strand in strands]))) / 2
+
+
+def _all_densities(
+    lines: list[np.ndarray], table: pd.DataFrame, n_sec: int, radius: float
+) -> pd.DataFrame:
+    """Densities by the asked rule, by coarser and finer sections, and without sections."""
+    parts = []
+    for number in sorted({n_sec, *(max(1, round(n_sec * factor)) for factor in OTHER_SECTIONS)}):
+        parts.append(densities(interactions(lines, number, table=table)))
+        parts[-1].insert(0, "rule", f"{number} sections")
+    parts.append(densities(events(lines, radius, table=table)))
+    parts[-1].insert(0, "rule", "touching overlaps")
+    return pd.concat(parts, ignore_index=True)

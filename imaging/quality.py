@@ -1,0 +1,88 @@
+"""What in a photograph makes its numbers doubtful, and where: notes for its owner."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import map_coordinates
+
+from imaging.centreline import normals
+from imaging.photo import Photo
+from imaging.segment import Segmentation
+from imaging.trace import Strand
+
+THIN = 4.0  # px; narrower strands have no inside
+SOFT = 0.3  # of the width, sd of the blur; beyond it neighbouring strands run into each other
+BURNT = 0.995  # of full scale in every channel
+NEAR = 2.0  # strand widths between a strand's end and the glare that cuts it
+DARK = 0.2  # of full scale; a photograph with nothing brighter is underexposed
+RISE = 2.563  # sds of a Gaussian blur between a tenth and nine tenths of an edge's contrast
+
+
+def notes_on(photo: Photo, segmentation: Segmentation, strands: Sequence[Strand]) -> list[str]:
+    """Say what makes the measurement of a photograph doubtful; nothing when it is good."""
+    notes = [exposure(photo)]
+    if segmentation.width < THIN:
+        notes.append(
+            f"strands are {segmentation.width:.1f} px wide; at least {THIN:.0f} px are needed to "
+            "tell neighbours apart: go closer"
+        )
+    blur = edge_blur(segmentation, strands)
+    if blur > SOFT * segmentation.width:
+        notes.append(
+            f"blurred: edges are soft over {RISE * blur:.1f} px (strands {segmentation.width:.1f} "
+            "px wide); crossings may be missed and widths are off: focus, or hold still"
+        )
+    notes += _ends(photo, segmentation, strands)
+    return [note for note in notes if note]
+
+
+def exposure(photo: Photo) -> str:
+    """Say so when a photograph is nearly black."""
+    full = np.iinfo(photo.pixels.dtype).max
+    brightest = float(np.percentile(photo.pixels[::4, ::4], 99.9)) / full
+    if brightest > DARK:
+        return ""
+    return f"dark: its brightest part has {100 * brightest:.0f} % of full scale; expose longer"
+
+
+def edge_blur(segmentation: Segmentation, strands: Sequence[Strand]) -> float:
+    """Sd of the blur of the strands' edges [px], from the steepest slope across them; 0 = unknown.
+
+    An ideal edge blurred by sd sigma rises at most by 1 / (sigma sqrt(2 pi)) a pixel. The shading
+    of a tube counts as blur too, so this is an upper bound.
+    """
+    coverage = segmentation.membership.sum(axis=0)
+    steps = np.arange(-0.3, 1.2, 0.5 / segmentation.width)[:, None] * segmentation.width
+    slopes = []
+    for strand in strands:
+        rows = np.flatnonzero(strand.edges == 2)[::5]
+        points, across = strand.line[rows], normals(strand.line)[rows]
+        for side in (-1, 1):
+            x, y = (points[:, i] + side * steps * across[:, i] for i in (0, 1))
+            profile = map_coordinates(coverage, [y, x], order=1, mode="nearest")
+            slopes.append(np.abs(np.diff(profile, axis=0)).max(axis=0, initial=0) / 0.5)
+    if not slopes:
+        return 0.0
+    slope = float(np.median(np.concatenate(slopes)))
+    return 1 / (slope * np.sqrt(2 * np.pi)) if slope > 0 else 0.0
+
+
+def _ends(photo: Photo, segmentation: Segmentation, strands: Sequence[Strand]) -> list[str]:
+    """Strands that leave the picture, or end where it is burnt out."""
+    burnt = photo.pixels.min(axis=2) >= BURNT * np.iinfo(photo.pixels.dtype).max
+    bright_ground = burnt.mean() > 0.3  # a white ground at full scale hides no strand
+    reach = int(np.ceil(NEAR * segmentation.width))
+    notes, leaving = [], []
+    for number, strand in enumerate(strands, start=1):
+        for end, point in zip(strand.ends, (strand.line[0], strand.line[-1]), strict=True):
+            x, y = np.maximum(np.round(point).astype(int), 0)
+            around = burnt[max(y - reach, 0) : y + reach + 1, max(x - reach, 0) : x + reach + 1]
+            if end == "clipped":
+                leaving.append(str(number))
+            elif around.mean() > 0.2 and not bright_ground:
+                notes.append(f"strand {number} ends in glare at x = {x}, y = {y}: light it softly")
+    if leaving:
+        which = ", ".join(dict.fromkeys(leaving))
+        plural = "s leave" if len(set(leaving)) > 1 else " leaves"
+        notes.append(f"strand{plural} the picture: {which}")
+    return notes
