@@ -15,8 +15,9 @@ import pandas as pd
 
 from instron.errors import Unreadable
 from instron.layout import Header, find_header, is_row, split_cells
-from instron.numerals import Unclear, decimal_mark, grouping, looks_numeric, to_numbers
-from instron.source import Source, refuse_lone_returns
+from instron.marks import marks_of
+from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
+from instron.source import NEWLINE, Source, refuse_lone_returns
 
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
 
@@ -51,11 +52,11 @@ def read_bodies(source: Source, header: Header, delimiter: str) -> list[Body]:
 def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     """Return the body if the rest of the file is one clean table, else None."""
     start = source.offset(header.first_row)
-    mark, thousands = _simple_marks(source, start, delimiter)
-    if mark is None or not _last_line_is_whole(source, header, delimiter):
+    marks = marks_of(source.data, start, delimiter)
+    if marks is None or not _last_line_is_whole(source, header, delimiter):
         return None
     source.release()
-    table = _pandas(source, header, delimiter, (mark, thousands), start)
+    table = _pandas(source, header, delimiter, marks, start)
     if table is None or not isinstance(table.index, pd.RangeIndex):
         return None  # pandas makes an index of the first column where a row is too wide
     if any(table[i].dtype.kind not in "fi" for i in header.used()):
@@ -67,24 +68,10 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
         return None
     if not _rows_are_lines(source, start, len(table)):
         return None
-    if not _first_row_agrees(source, header, delimiter, mark, values):
+    if not _first_row_agrees(source, header, delimiter, marks[0], values):
         return None
     lines = range(header.first_row, header.first_row + len(table))
-    return Body(header, values, lines, mark, thousands is not None)
-
-
-def _simple_marks(source: Source, start: int, delimiter: str) -> tuple[str | None, str | None]:
-    """Return decimal and thousands mark where the bytes of the body leave no doubt, else None."""
-    comma, point, quote = (source.data.find(mark, start) >= 0 for mark in (b",", b".", b'"'))
-    if delimiter == ",":
-        found = grouping(source.data, start) if quote else "none"
-        return {"none": (".", None), "regular": (".", ",")}.get(found, (None, None))
-    if not comma:
-        return ".", None
-    # A comma that three digits do not follow cannot group thousands.
-    if not point and re.search(rb"\d,(?!\d{3}(?!\d))\d|(?<!\d)0,\d", source.data[start:]):
-        return ",", None
-    return None, None
+    return Body(header, values, lines, marks[0], marks[1] is not None)
 
 
 def _pandas(
@@ -142,8 +129,7 @@ def _rows_are_lines(source: Source, start: int, rows: int) -> bool:
     """Return False if a line break inside quotes may have joined two lines."""
     if source.data.find(b'"', start) < 0:
         return True
-    size, step = len(source.data), 1 << 18
-    breaks = sum(source.data[i : i + step].count(b"\n") for i in range(start, size, step))
+    breaks = sum(np.count_nonzero(piece == NEWLINE) for _, piece in source.chunks(start))
     return rows == breaks + (not source.ends_in_newline())
 
 
@@ -154,7 +140,7 @@ def _first_row_agrees(
     cells = split_cells(source.head[header.first_row], delimiter)
     filled = {i: cells[i] for i in values if i < len(cells) and cells[i]}
     try:
-        numbers, _ = to_numbers(pd.Series(list(filled.values()), dtype=object), mark)
+        numbers, _ = to_numbers(list(filled.values()), mark)
     except Unclear:
         return False
     first = [values[i][0] for i in filled]
@@ -252,10 +238,7 @@ def _exact(source: Source, header: Header, rows: list[int], delimiter: str) -> B
     if not rows:
         raise Unreadable(f"{source.path}: line {header.line + 1}: a header without complete rows")
     cells = [split_cells(source.lines[number], delimiter) for number in rows]
-    texts = {
-        i: pd.Series([row[i] if i < len(row) else "" for row in cells], dtype=object)
-        for i in header.used()
-    }
+    texts = {i: [row[i] if i < len(row) else "" for row in cells] for i in header.used()}
     body = Body(header, {}, rows)
     try:
         body.decimal = decimal_mark([text for column in texts.values() for text in column])

@@ -11,6 +11,7 @@ from instron.words import (
     plain,
     quantity_of,
     rank,
+    remembered,
     split_unit,
     symbol_of,
     unit_of,
@@ -57,7 +58,9 @@ class Header:
 def split_cells(line: str, delimiter: str) -> list[str]:
     """Split a line into cells, minding quotes."""
     if delimiter == "spaces":
-        return re.split(r" +" if not re.search(r"[^\W\d_]{2}", line) else r" {2,}", line.strip())
+        words = line.strip()
+        gap = r" {2,}" if "  " in words and re.search(r"[^\W\d_]{2}", words) else r" +"
+        return re.split(gap, words)
     if '"' not in line:
         return [cell.strip() for cell in line.split(delimiter)]
     mark = re.escape(delimiter)
@@ -95,7 +98,8 @@ def header_at(lines: list[str], number: int, delimiter: str) -> Header | None:
         return None
     header = Header(number, following, 0, names, specimens, choices)
     cells = split_cells(lines[following], delimiter)
-    if not is_row(cells, header.used()):
+    shifted = delimiter == "spaces" and len(cells) != len(names)
+    if shifted or not is_row(cells, header.used()):
         return None
     return replace(header, width=len(cells))
 
@@ -180,16 +184,18 @@ def _fits(quantity: str, unit: str | None) -> bool:
     return known[0] == quantity if known else not is_unit(unit)
 
 
-def _key(channel: Channel) -> str:
-    return re.sub(r"[\d.]+", "", plain(channel.name)).strip()
+@remembered
+def _bare(name: str) -> str:
+    return re.sub(r"[\d.]+", "", plain(name)).strip()
 
 
 def _best(channels: list[Channel]) -> list[Channel]:
     """Return the channels that share the name of the lowest rank, the plainest first."""
     if not channels:
         return []
-    first = min(channels, key=lambda c: (rank(c.name), len(_key(c).split())))
-    return [c for c in channels if _key(c) == _key(first) and rank(c.name) == rank(first.name)]
+    first = min(channels, key=lambda c: (rank(c.name), len(_bare(c.name).split())))
+    alike = (_bare(first.name), rank(first.name))
+    return [c for c in channels if (_bare(c.name), rank(c.name)) == alike]
 
 
 def _choices(found: dict[str, list[Channel]], best: dict[str, list[Channel]]) -> list[str]:

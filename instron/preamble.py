@@ -3,8 +3,6 @@
 import re
 from dataclasses import dataclass
 
-import pandas as pd
-
 from instron.layout import Header, split_cells
 from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.words import plain, split_unit, unit_of
@@ -118,6 +116,6 @@ def _number(cell: str) -> float | None:
     """Return a lone number; one that allows two readings is no check."""
     try:
         mark = decimal_mark([cell])
-        return float(to_numbers(pd.Series([cell], dtype=object), mark)[0][0])
+        return float(to_numbers([cell], mark)[0][0])
     except Unclear:
         return None

@@ -27,7 +27,7 @@ from instron.layout import (
     split_cells,
 )
 from instron.preamble import labels_above, metadata, specimen_label, stated_maxima
-from instron.source import Source, open_source
+from instron.source import HEAD_BYTES, Source, open_source
 from instron.units import factor
 from instron.words import QUANTITIES, VOLTS, quantity_of, split_unit, unit_of
 
@@ -83,7 +83,7 @@ def read(
 
 def _find(source: Source, columns: Sequence[str] | None) -> tuple[str, Header]:
     """Return the delimiter and the first header of the file."""
-    for part in ("head", "lines"):
+    for part in ("head", "lines") if len(source.data) > HEAD_BYTES else ("head",):
         lines = getattr(source, part)
         present = {mark for mark in DELIMITERS if any(mark in line for line in lines)}
         for delimiter in [d for d in DELIMITERS if d in present or d == "spaces"]:

@@ -36,7 +36,17 @@ class Source:
     @cached_property
     def lines(self) -> list[str]:
         """All lines, decoded; only asked for when the quick path does not suffice."""
-        return split_lines(self.data[:].decode(self.encoding, errors="replace"))
+        return split_lines(self._decoded())
+
+    def _decoded(self) -> str:
+        """Return the whole text; letters may come after a head that is plain ASCII."""
+        data = self.data[:]
+        if self.encoding != "ascii":
+            return data.decode(self.encoding, errors="replace")
+        try:
+            return data.decode("utf-8")
+        except UnicodeDecodeError:
+            return data.decode("cp1252", errors="replace")
 
     @cached_property
     def head(self) -> list[str]:

@@ -7,9 +7,14 @@ accents and case; Chinese and Japanese ones are looked for inside the cell.
 
 import re
 import unicodedata
+from functools import lru_cache
 
 LONGEST_NAME = 200
 QUANTITIES = ("time", "displacement", "force")
+
+
+# A file repeats its names: specimens side by side, or stacked by the thousand.
+remembered = lru_cache(maxsize=4096)
 
 
 def _set(words: str) -> set[str]:
@@ -159,6 +164,7 @@ VOLTS = {"v", "mv", "volt", "volts", "mv/v", "uv", "µv"}
 STROKES = str.maketrans("łøđı", "lodi")  # these do not decompose into a letter and a mark
 
 
+@remembered
 def plain(text: str) -> str:
     """Return the text without accents, case and punctuation, for comparing words."""
     folded = unicodedata.normalize("NFKD", text.casefold().translate(STROKES))
@@ -166,6 +172,7 @@ def plain(text: str) -> str:
     return " ".join(re.split(r"[\s_\-/:.,#|*=]+", bare)).strip()
 
 
+@remembered
 def unit_of(text: str) -> tuple[str, str] | None:
     """Return (quantity, pint unit) of a written unit such as ``(mm)``, ``[kN]`` or ``sec``."""
     bare = text.strip().strip("\"'").strip().strip("()[]<>{}").strip().rstrip(".")
@@ -176,12 +183,14 @@ def unit_of(text: str) -> tuple[str, str] | None:
     return _UNIT_OF.get(bare.casefold())
 
 
+@remembered
 def is_unit(text: str) -> bool:
     """Tell whether the cell is a unit of any kind, those of stress and strain included."""
     bare = text.strip().strip("\"'").strip().strip("()[]<>").strip()
     return unit_of(text) is not None or bare.casefold() in OTHER_UNITS
 
 
+@remembered
 def split_unit(cell: str) -> tuple[str, str | None]:
     """Split a header cell into name and written unit: ``Load [kN]`` gives (Load, kN)."""
     text = cell.strip().strip("\"'").strip()
@@ -196,6 +205,7 @@ def split_unit(cell: str) -> tuple[str, str | None]:
     return text, None
 
 
+@remembered
 def unknown_unit(name: str) -> str | None:
     """Return what stands in brackets at the end where only a unit makes sense, or None.
 
@@ -207,6 +217,7 @@ def unknown_unit(name: str) -> str | None:
     return None if quantity_of(bracket[1]) else bracket[1]
 
 
+@remembered
 def quantity_of(name: str) -> str | None:
     """Return which quantity a header name means, or None."""
     if len(name) > LONGEST_NAME:
@@ -234,6 +245,7 @@ def lengthens(name: str) -> bool:
     return bool(set(plain(name).split()) & LENGTHENING)
 
 
+@remembered
 def rank(name: str) -> int:
     """Return how far a channel is from the crosshead's own: the lowest is taken.
 

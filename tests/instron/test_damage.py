@@ -78,6 +78,13 @@ REFUSED = {
         "decimal (comma.*decimal point|point.*decimal comma)",
     ),
     "broken grouping": (with_row('2.00,1.0000,"1,42.96"'), "line 23: '1,42.96' is not a number"),
+    "lost decimal point beside grouped numbers": (
+        HEAD
+        + "".join(f'{i},{i / 8:.3f},"{9e5 + i * 7e4:,.1f}"\n' for i in range(9))
+        + '9,1.125,"1,539,375"\n',
+        "line 12: '1,539,375' alone has no decimals",
+    ),
+    "points that may group": (TAB + "1\t2\t998\n2\t3\t1.002\n", "'1.002' could be a decimal"),
     "lone return within a number": (
         HEAD.replace("\n", "\r\n") + "0.1,0.2,4.8\r\n0.2,0.3,4\r.8\r\n0.3,0.4,4.8\r\n",
         "line 4: a carriage return within the line",

@@ -183,6 +183,24 @@ def line_numbers_in_front():
     return head + lines([np.arange(1, N + 1), T, X, F]), one()
 
 
+def single_blanks():
+    return "Time Extension Load\n(s) (mm) (N)\n" + lines([T, X, F], delimiter=" "), one()
+
+
+def quoted_german_in_a_comma_file():
+    def cell(v):
+        return '"' + f"{v:,.3f}".translate(str.maketrans(",.", ".,")) + '"'
+
+    body = "".join(f"{cell(t)},{cell(x)},{cell(f)}\n" for t, x, f in zip(T, X, F * 9, strict=True))
+    return "Zeit,Weg,Kraft\n(s),(mm),(N)\n" + body, one(x=np.round(X, 3), f=np.round(F * 9, 3))
+
+
+def millions_in_a_tab_file():
+    body = "".join(f"{t}\t{x}\t{f * 9e3:,.2f}\n" for t, x, f in zip(T, X, F, strict=True))
+    force = np.array([float(f"{f * 9e3:.2f}") for f in F])
+    return "Time\tExtension\tLoad\n(s)\t(mm)\t(N)\n" + body, one(f=force)
+
+
 FAMILIES = [
     value
     for value in list(globals().values())
@@ -202,3 +220,16 @@ def test_every_layout_is_read_exactly(family, tmp_path):
         for name, values in zip(("time", "displacement", "force"), columns, strict=True):
             np.testing.assert_allclose(log[name], values, rtol=1e-12, atol=1e-12, err_msg=name)
         assert log.attrs["warnings"] == []
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252"])
+@pytest.mark.parametrize("blank", ["\u00a0", ",", " "])
+def test_thousands_that_only_late_rows_have(blank, encoding, tmp_path):
+    """The first 64 kB, by which a file is known, hold no thousands and no letter but ASCII."""
+    n = 6000
+    force = np.round(np.linspace(0.25, 1450.75, n), 2)
+    body = "".join(f"{i / 100}\t{i / 800}\t{f:,.2f}\n" for i, f in enumerate(force))
+    path = tmp_path / "export.txt"
+    text = "Time\tExtension\tLoad\n(s)\t(mm)\t(N)\n" + body.replace(",", blank)
+    path.write_bytes(text.encode(encoding))
+    np.testing.assert_array_equal(instron.read(path)[0]["force"], force)
