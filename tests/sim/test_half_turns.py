@@ -21,7 +21,7 @@ R = 5e-3
 def test_couple_at_pi_minus(below_pi, axis):
     """At the angle theta about one director: B theta/D or C theta/D, for all digits up to pi."""
     march = march_of(rod(line([0, 0, 0], [1, 0, 0], 0.02, 2), R))
-    k, theta = "d1 d2 d3".split().index(axis), math.pi - below_pi
+    k, theta = ["d1", "d2", "d3"].index(axis), math.pi - below_pi
     turn_element(march, 1, theta * np.eye(3)[k])
     state = march.state
     kernels.bend_and_twist(state.buf, state.n + 1, None)
