@@ -1,50 +1,84 @@
-"""What is watched while a scene runs: tine loads every window, strands every so often."""
+"""What is watched while a scene runs: loads and energies every window, strands now and then."""
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Callable
 
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.energy import books
 from sim.explicit import Explicit
-from sim.scene import Scene
+
+Columns = dict[str, dict[str, str]]
+Observer = Callable[[Explicit, int], list[float]]
+
+FORCE: Columns = {
+    "time": {"units": "s"},
+    "displacement": {"units": "m"},
+    "force": {"units": "N", "long_name": "force on the moving tines, positive when it resists"},
+}
+
+
+def columns(march: Explicit) -> Columns:
+    """Return name and attributes of every value in a sample of this march's scene."""
+    table: Columns = {}
+    if march.scene.tines:
+        table |= FORCE
+    if march.scene.output.energy:
+        about = {"units": "J", "long_name": "at the end of the window"}
+        table["energy_time"] = {"units": "s", "long_name": "end of the window"}
+        table |= {f"energy_{name}": about for name in books(march)}
+    return table
+
+
+def observers(march: Explicit) -> list[Observer]:
+    """Return what fills these columns: called with the steps of the window that has just ended."""
+    found: list[Observer] = []
+    if march.scene.tines:
+        found.append(ForceRecorder(march))
+    if march.scene.output.energy:
+        found.append(energies)
+    return found
 
 
 class ForceRecorder:
-    """Force on the first tine, averaged over every sampling window.
+    """Force on all moving tines along their motion, averaged over every sampling window.
 
-    Time and displacement belong to the middle of the window; force is positive when it resists.
+    Time and displacement, that of the first moving tine, belong to the middle of the window. Where
+    no tine moves, the force on all of them along their `direction` is recorded.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        tine = scene.tines[0]
-        self._along = np.array(tine.direction) / np.linalg.norm(tine.direction)
-        self._travel = 0.0
-        self.time: list[float] = []
-        self.displacement: list[float] = []
-        self.force: list[float] = []
+    def __init__(self, march: Explicit) -> None:
+        directions = np.array([tine.direction for tine in march.scene.tines])
+        moving = np.array([tine.travel > 0 for tine in march.scene.tines])
+        self._first = int(np.argmax(moving))
+        self._along = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+        self._along[~moving & moving.any()] = 0.0
+        self._travel = self._now(march)
 
-    def observe(self, march: Explicit, steps: int) -> None:
-        """Record the window of `steps` steps that has just ended."""
-        travel = float(march.tine_travel()[0])
-        self.time.append(march.time - 0.5 * steps * march.dt)
-        self.displacement.append(0.5 * (travel + self._travel))
-        self.force.append(-float(march.take_load()[0] @ self._along) / steps)
-        self._travel = travel
+    def _now(self, march: Explicit) -> float:
+        return float(march.tine_travel()[self._first])
+
+    def __call__(self, march: Explicit, steps: int) -> list[float]:
+        """Return a value for each column."""
+        before, self._travel = self._travel, self._now(march)
+        force = -float(np.sum(march.take_load() * self._along)) / steps
+        return [march.time - 0.5 * steps * march.dt, 0.5 * (before + self._travel), force]
 
 
-class SnapshotRecorder:
-    """Strands at evenly spaced instants, the start and the end included."""
+def energies(march: Explicit, steps: int) -> list[float]:
+    """Return the time and the ledger at the end of the window."""
+    return [march.time, *books(march).values()]
 
-    def __init__(self, wanted: int, windows: int) -> None:
-        self._due = set(np.unique(np.linspace(0, windows, max(wanted, 2)).round().astype(int)))
-        self.time: list[float] = []
-        self.displacement: list[float] = []
-        self.position: list[np.ndarray] = []
 
-    def observe(self, march: Explicit, window: int) -> None:
-        """Record the strands if a snapshot is due after this many windows."""
-        if window not in self._due:
-            return
-        travel = march.tine_travel()
-        self.time.append(march.time)
-        self.displacement.append(float(travel[0]) if len(travel) else 0.0)
-        self.position.append(np.concatenate(march.state.strands()))
+def due(wanted: int, windows: int) -> set[int]:
+    """Return after which windows a snapshot is due: evenly spread, start and end included."""
+    return set(np.linspace(0, windows, max(wanted, 2)).round().astype(int).tolist())
+
+
+def snapshot(march: Explicit) -> NDArray[np.float64]:
+    """Return time [s], travel of the first tine [m] and x y z of every node [m], in one row."""
+    travel = march.tine_travel()
+    head = [march.time, float(travel[0]) if len(travel) else 0.0]
+    return np.concatenate([head, *(strand.ravel() for strand in march.state.strands())])

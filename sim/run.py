@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from sim import journal
 from sim.errors import SceneError
+from sim.journal import part_of
 from sim.scene import Scene
 
 if TYPE_CHECKING:
@@ -85,16 +88,26 @@ class Run:
 
 
 def open_run(path: str | Path) -> Run:
-    """Read a run from its NetCDF file.
+    """Read a run from its NetCDF file, or from the folder of a run that has not ended.
 
     Raises
     ------
     SceneError
         The file is missing or is not a run.
     """
+    path = Path(path)
+    data = _unfinished(path) if path.is_dir() else _finished(path)
+    data.attrs["path"] = str(path)
+    return Run(data)
+
+
+def _finished(path: Path) -> xarray.Dataset:
     import xarray
 
-    if not Path(path).exists():
+    if not path.exists():
+        part = part_of(path)
+        if part.exists():
+            raise SceneError(f"{path}: this run has not ended; what there is so far is in {part}")
         raise SceneError(f"{path}: no such file; expected a run (.nc) of `combing simulate`")
     try:
         data = xarray.load_dataset(path, engine="h5netcdf")
@@ -102,8 +115,37 @@ def open_run(path: str | Path) -> Run:
         raise SceneError(f"{path}: not a run of `combing simulate`: {error}") from None
     if "scene" not in data.attrs or "position" not in data:
         raise SceneError(f"{path}: a NetCDF file, but not a run of `combing simulate`")
-    data.attrs["path"] = str(path)
-    return Run(data)
+    return data
+
+
+def _unfinished(folder: Path) -> xarray.Dataset:
+    recorded = journal.read(folder)
+    if not len(recorded.snapshots):
+        raise SceneError(f"{folder}: nothing is recorded yet")
+    data = dataset(recorded).copy(deep=True)  # out of files that grow and go
+    data.attrs["unfinished"] = f"{len(recorded.samples)} of {recorded.about['windows']} windows"
+    return data
+
+
+def dataset(recorded: journal.Recorded) -> xarray.Dataset:
+    """Return what a journal holds as one labelled data set, its arrays still in the files."""
+    import xarray
+
+    about, samples, snapshots, _ = recorded
+    scene = about["scene"]
+    positions = snapshots[:, 2:].reshape(len(snapshots), -1, 3)
+    rod = np.repeat(np.arange(len(about["strands"])), about["strands"])
+    variables = {
+        "position": (("snapshot", "node", "axis"), positions, {"units": "m"}),
+        "snapshot_time": ("snapshot", snapshots[:, 0], {"units": "s"}),
+        "snapshot_displacement": ("snapshot", snapshots[:, 1], {"units": "m"}),
+        "rod": ("node", rod, {"long_name": "rod that the node belongs to"}),
+        "radius": ("strand", [rod["radius"] for rod in scene["rods"]], {"units": "m"}),
+    }
+    for number, (name, attributes) in enumerate(about["samples"].items()):
+        variables[name] = ("sample", samples[:, number], attributes)
+    attributes = about["attributes"] | {"scene": json.dumps(scene)}
+    return xarray.Dataset(variables, coords={"axis": ["x", "y", "z"]}, attrs=attributes)
 
 
 @contextmanager

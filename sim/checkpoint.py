@@ -1,0 +1,72 @@
+"""Everything a march holds as named arrays, so that it can go on later to the last bit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.explicit import Explicit
+from sim.kernels import layout
+from sim.state import State
+
+Arrays = dict[str, NDArray[Any]]
+BUFFER = "state.buf"
+RECIPE = {"scene", "state"}  # the scene makes a march; of the state only the buffer changes
+
+
+def freeze(march: Explicit) -> Arrays:
+    """Return copies of all that a march holds, by name.
+
+    Raises
+    ------
+    TypeError
+        The march holds something that is neither a number, an array nor a tuple of such, which
+        would be lost.
+    """
+    frozen: Arrays = {BUFFER: used(march.state).copy()}
+    for name, value in vars(march).items():
+        if name not in RECIPE:
+            _pack(name, value, frozen)
+    return frozen
+
+
+def thaw(march: Explicit, frozen: Arrays) -> None:
+    """Put what `freeze` returned into a march of the same scene."""
+    used(march.state)[:] = frozen[BUFFER]
+    for name, value in vars(march).items():
+        if name not in RECIPE:
+            setattr(march, name, _unpack(name, value, frozen))
+
+
+def used(state: State) -> NDArray[np.float64]:
+    """Return the used part of the buffer and the index behind it, (ROWS, n + 1), as a view."""
+    return state.buf.reshape(layout.ROWS, layout.PITCH)[:, : state.n + 1]
+
+
+def _fields(name: str, value: Any) -> dict[str, Any]:
+    """Return the fields of a NamedTuple by their full names."""
+    return {f"{name}.{field}": getattr(value, field) for field in value._fields}
+
+
+def _pack(name: str, value: Any, frozen: Arrays) -> None:
+    if isinstance(value, tuple):
+        for field, part in _fields(name, value).items():
+            _pack(field, part, frozen)
+    elif isinstance(value, np.ndarray | np.number | float | int):
+        frozen[name] = np.array(value)
+    elif value is not None:
+        raise TypeError(f"{name}: a checkpoint cannot hold a {type(value).__name__}")
+
+
+def _unpack(name: str, value: Any, frozen: Arrays) -> Any:
+    """Return what was frozen, of the type of `value`: the compiled march knows it by its types."""
+    if value is None:
+        return None
+    if isinstance(value, tuple):
+        parts = (_unpack(*each, frozen) for each in _fields(name, value).items())
+        return type(value)(*parts)
+    if isinstance(value, np.ndarray):
+        return frozen[name].copy()
+    return type(value)(frozen[name].item())

@@ -1,0 +1,191 @@
+"""A run that is stopped, by whatever means, goes on later as if it had not been."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sim
+from sim.checkpoint import freeze, thaw
+from sim.explicit import Explicit
+from sim.journal import Journal
+from sim.scene import Damping, End, Friction, Load, Motion, Output
+
+
+def scene(**changes):
+    """Two strands, a tine that is already among them, friction: all that has a memory."""
+    preset = sim.double_helix(
+        pi1=24, turns=2, q=1, elements_per_pitch=6, friction=0.2, speed=0.5, snapshots=5
+    )
+    tine = preset.tines[0].model_copy(update={"insertion": 6e-3})
+    return preset.model_copy(update={"tines": [tine], "duration": 8e-3, **changes})
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    return sim.simulate(scene(), tmp_path_factory.mktemp("whole") / "run.nc")
+
+
+class Stop(Exception):
+    """Stands for whatever ends a process."""
+
+
+def stop_at(fraction):
+    def progress(done):
+        if done >= fraction:
+            raise Stop
+
+    return progress
+
+
+def stopped_run(path, fraction=0.5, checkpoint_every=0.0, **changes):
+    with pytest.raises(Stop):
+        sim.simulate(
+            scene(**changes), path, progress=stop_at(fraction), checkpoint_every=checkpoint_every
+        )
+    return path.with_name("run.nc.part")
+
+
+def assert_equal_to_the_last_bit(run, other):
+    for name, variable in run.data.variables.items():
+        np.testing.assert_array_equal(variable, other.data[name], err_msg=name)
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+import sim
+from sim.scene import Scene
+
+def progress(done):
+    if done > 0.4:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+scene = Scene.model_validate_json(Path(sys.argv[1]).read_text())
+sim.simulate(scene, sys.argv[2], progress=progress, checkpoint_every=0.0)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+def test_a_killed_run_resumes_and_ends_bitwise_as_if_uninterrupted(tmp_path, uninterrupted):
+    (tmp_path / "scene.json").write_text(scene().model_dump_json())
+    path = tmp_path / "run.nc"
+    root = Path(sim.__file__).parents[1]
+    killed = subprocess.run([sys.executable, "-c", KILLED, "scene.json", "run.nc"],
+                            cwd=tmp_path, env={"PYTHONPATH": str(root)}, check=False)  # fmt: skip
+    assert killed.returncode == -signal.SIGKILL
+    part = tmp_path / "run.nc.part"
+    with np.load(part / "checkpoint.npz") as saved:
+        assert saved["effects.contact.slip"].any()
+        assert saved["effects.tines.slip"].any()
+    for name in ("samples.f64", "snapshots.f64"):  # killed in the middle of writing, too
+        with (part / name).open("ab") as table:
+            table.write(b"half a row and more, " * 9)
+    assert_equal_to_the_last_bit(sim.simulate(scene(), path), uninterrupted)
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["run.nc", "scene.json"]
+
+
+SUMMED = """
+import hashlib, sys
+from pathlib import Path
+import numpy as np
+import sim
+from sim.scene import Scene
+run = sim.simulate(Scene.model_validate_json(Path(sys.argv[1]).read_text()))
+print(hashlib.sha256(np.asarray(run.data["position"]).tobytes()).hexdigest())
+"""
+
+
+@pytest.mark.slow
+def test_the_run_that_has_to_compile_is_the_one_that_finds_its_kernels_compiled(tmp_path):
+    (tmp_path / "scene.json").write_text(scene(duration=2e-3).model_dump_json())
+    root = Path(sim.__file__).parents[1]
+    environment = {"PYTHONPATH": str(root), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    command = [sys.executable, "-c", SUMMED, "scene.json"]
+    first, second = (
+        subprocess.run(command, cwd=tmp_path, env=environment, check=True, capture_output=True)
+        for _ in range(2)
+    )
+    assert first.stdout == second.stdout
+
+
+def test_a_run_stopped_before_its_first_checkpoint_begins_anew(tmp_path, uninterrupted):
+    stopped_run(tmp_path / "run.nc", checkpoint_every=1e9)
+    assert_equal_to_the_last_bit(sim.simulate(scene(), tmp_path / "run.nc"), uninterrupted)
+
+
+def test_what_is_recorded_so_far_can_be_read(tmp_path, uninterrupted):
+    part = stopped_run(tmp_path / "run.nc")
+    so_far = sim.open_run(part)
+    log, whole = so_far.force_log(), uninterrupted.force_log()
+    assert len(log) == -(-len(whole) // 2)
+    np.testing.assert_array_equal(log, whole[: len(log)])
+    assert len(so_far.times) == 3
+    np.testing.assert_array_equal(so_far.strands(2)[1], uninterrupted.strands(2)[1])
+    with pytest.raises(sim.SceneError, match=r"has not ended; .* is in .*run\.nc\.part"):
+        sim.open_run(tmp_path / "run.nc")
+
+
+def test_a_run_of_another_scene_is_not_touched(tmp_path):
+    part = stopped_run(tmp_path / "run.nc")
+    before = {each: each.read_bytes() for each in part.iterdir()}
+    with pytest.raises(sim.SceneError, match=r"another scene \(it differs in friction\)"):
+        sim.simulate(scene(friction=Friction(forward=0.3, backward=0.3)), tmp_path / "run.nc")
+    assert {each: each.read_bytes() for each in part.iterdir()} == before
+
+
+def test_a_run_of_another_solver_is_not_touched(tmp_path):
+    part = stopped_run(tmp_path / "run.nc")
+    about = json.loads((part / "about.json").read_text())
+    (part / "about.json").write_text(json.dumps(about | {"solver": "older"}))
+    with pytest.raises(sim.SceneError, match="another version of the solver"):
+        sim.simulate(scene(), tmp_path / "run.nc")
+
+
+def test_on_request_a_run_begins_anew_over_an_unfinished_one(tmp_path, uninterrupted):
+    stopped_run(tmp_path / "run.nc", friction=None)
+    run = sim.simulate(scene(), tmp_path / "run.nc", resume=False)
+    assert_equal_to_the_last_bit(run, uninterrupted)
+
+
+def test_two_processes_do_not_write_the_same_run(tmp_path):
+    about = {"scene": {}, "solver": "", "samples": {}, "strands": [2]}
+    journal = Journal(tmp_path / "run.nc.part", about, resume=True)
+    with pytest.raises(sim.SceneError, match="another process is writing this run"):
+        Journal(tmp_path / "run.nc.part", about, resume=True)
+    journal.close()
+    Journal(tmp_path / "run.nc.part", about, resume=True).close()
+
+
+def test_a_folder_that_is_no_journal_is_not_opened_as_a_run(tmp_path):
+    with pytest.raises(sim.SceneError, match="not an unfinished run"):
+        sim.open_run(tmp_path)
+
+
+def test_a_checkpoint_holds_all_that_changes_in_a_march_with_every_effect(rng):
+    rods = list(scene().rods)
+    tip = End(hold="clamped", motion=Motion(velocity=(0, 0, 1e-3)))
+    rods[0] = rods[0].model_copy(update={"tip": tip})
+    rods[1] = rods[1].model_copy(update={"tip": End(load=Load(force=(0, 0, -1e-3)))})
+    everything = scene(
+        rods=rods,
+        gravity=(0.0, 0.0, -9.81),
+        damping=Damping(drag=1.0, material=1e-6),
+        output=Output(energy=True),
+    )
+    march, fresh = Explicit(everything), Explicit(everything)
+    assert None not in march.effects
+    changed = {
+        name: rng.permuted(np.arange(1, array.size + 1)).reshape(array.shape).astype(array.dtype)
+        for name, array in freeze(march).items()
+    }
+    thaw(fresh, changed)
+    again = freeze(fresh)
+    assert again.keys() == changed.keys()
+    for name in changed:
+        np.testing.assert_array_equal(again[name], changed[name], err_msg=name)
+    assert type(fresh.effects.contact.stiffness) is float  # or the march would be compiled again
