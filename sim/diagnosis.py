@@ -1,15 +1,56 @@
-"""Why a march became unstable: where, by which effect, and what to change."""
+"""Why a march became unstable: where, by which effect and mode, and what to change.
+
+Position Verlet can be taken back by half a step, so the positions at which the last forces were
+evaluated are known to rounding. There every effect is evaluated on its own; what remains of the
+sums that the march has left in its rows is what depends on velocities.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import copy
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from sim import timestep
+from sim.energy import kinetic_energy
 from sim.errors import Unstable
+from sim.kernels.contact import Friction, contact_forces
+from sim.kernels.ends import pull
+from sim.kernels.march import Effects
+from sim.kernels.rod import clear_loads, drift, stretch_and_shear
+from sim.kernels.tine import place, tine_forces
+from sim.state import State, empty_buffer
+from sim.timestep import SPRING
 
 if TYPE_CHECKING:
     from sim.explicit import Explicit
+
+Array = NDArray[np.float64]
+
+ELASTIC, VISCOUS, WEIGHT, LOAD, MOTION, RODS, TINE, RUBBING = (
+    "elasticity",
+    "material damping",
+    "gravity",
+    "end load",
+    "prescribed motion",
+    "contact of rods",
+    "contact with a tine",
+    "friction",
+)
+REMEDY = {
+    ELASTIC: "start closer to the shape at rest, or mesh finer where it bends sharply",
+    VISCOUS: "lower damping.material or safety",
+    WEIGHT: "check gravity",
+    LOAD: "lower the load on this end, or let it grow over a longer ramp",
+    MOTION: "lower the velocity of this end, or lengthen its ramp",
+    RODS: "draw the rods with less overlap, or lower contact.stiffness",
+    TINE: "lower the tine's speed, lengthen its insertion, or lower contact.stiffness",
+    RUBBING: "lower the coefficients of friction",
+}
+SHORTER = "leave time_step out, or lower safety"
 
 
 def unstable(march: Explicit) -> Unstable:
@@ -19,9 +60,139 @@ def unstable(march: Explicit) -> Unstable:
     worst = int(np.argmax(np.where(np.isfinite(speed), speed, np.inf)))
     rod = int(np.searchsorted(state.first, worst, side="right") - 1)
     element = worst - state.first[rod]
+    if np.isfinite(speed[worst]):
+        effect, mode, why, remedy = _runaway(march, worst)
+    else:
+        effect, mode, remedy = _not_a_number(march), "not a number", "find the value in the scene"
+        why = f"{effect} is not a number"
     return Unstable(
         f"unstable at t = {march.time:.6g} s: node {element} of rod {rod} moves at "
-        f"{speed[worst]:.3g} m/s, a good part of an element per step of {march.dt:.3g} s; "
-        "lower `safety`, the tine's speed or the contact stiffness",
-        march.time, rod, element,
+        f"{speed[worst]:.3g} m/s; {why}; {remedy}",
+        march.time, rod, element, effect, mode,
     )  # fmt: skip
+
+
+def _not_a_number(march: Explicit) -> str:
+    """Return the effect that brought in a value that is not finite; elasticity if none did."""
+    effects = march.effects
+    given = {
+        WEIGHT: effects.gravity,
+        LOAD: None if effects.pulled is None else effects.pulled.load[:, :6],
+        MOTION: None if effects.driven is None else effects.driven.motion[:, :6],
+        TINE: None if effects.tines is None else effects.tines.geometry,
+    }
+    broken = (name for name, values in given.items() if not np.isfinite(_numbers(values)).all())
+    return next(broken, ELASTIC)
+
+
+def _numbers(values: Any) -> Array:
+    return np.zeros(0) if values is None else np.asarray(values)
+
+
+def _runaway(march: Explicit, node: int) -> tuple[str, str, str, str]:
+    """Return effect, mode, the reason in words, and the remedy for a node that is too fast."""
+    if march.state.row("INV_MASS")[node] == 0:
+        return MOTION, MOTION, "its prescribed motion is that fast", REMEDY[MOTION]
+    forces = {name: float(np.linalg.norm(force[:, node])) for name, force in by_effect(march)}
+    touching = [name for name in (RODS, TINE) if forces.get(name, 0.0) > 0]
+    mode, limit, sustained = _local_limit(march, node, bool(touching))
+    if march.dt > limit:
+        effect = max(touching, key=forces.__getitem__) if mode == SPRING else ELASTIC
+        why = f"the time step of {march.dt:.3g} s is above the {limit:.3g} s that {mode} allows"
+        return effect, mode, why, SHORTER
+    if march.dt > sustained:
+        why = (
+            f"{VISCOUS} shortens the longest time step to {sustained:.3g} s, below {march.dt:.3g} s"
+        )
+        return VISCOUS, mode, why, REMEDY[VISCOUS]
+    effect = max(forces, key=forces.__getitem__)
+    why = f"the largest force there is that of {effect}, {forces[effect]:.3g} N"
+    if effect == ELASTIC and (driver := _driver(march)) is not None:
+        effect, why = driver, f"the energy came in by {driver}"
+    own = SPRING if effect in (RODS, TINE) else mode if effect == ELASTIC else effect
+    return effect, own, why, REMEDY[effect]
+
+
+def _driver(march: Explicit) -> str | None:
+    """Return what did most of the work, if that is half the motion there is: rods hand it on."""
+    effects = march.effects
+    sources = {TINE: effects.tines, MOTION: effects.driven, LOAD: effects.pulled}
+    work = {name: float(each.work[0]) for name, each in sources.items() if each is not None}
+    largest = max(work, key=work.__getitem__, default=None)
+    if largest is None or work[largest] < 0.5 * kinetic_energy(march.state):
+        return None
+    return largest
+
+
+def _local_limit(march: Explicit, node: int, touching: bool) -> tuple[str, float, float]:
+    """Return the stiffest mode beside a node and the stability limit there, without and with
+    material damping [s].
+    """
+    effects = march.effects
+    touched = effects.contact or effects.tines
+    stiffness = touched.stiffness if touching and touched is not None else None
+    beside = [i for i in (node - 1, node) if march.state.row("LENGTH")[i] > 0]
+    parts = {name: terms[beside] for name, terms in timestep.modes(march.state, stiffness).items()}
+    total = timestep.together(parts)
+    worst = int(np.argmax(total))
+    limit = float(1 / np.sqrt(total[worst]))
+    mode = max(parts, key=lambda name: float(parts[name][worst]))
+    return mode, limit, limit * timestep.damped(effects.viscous, limit)
+
+
+def by_effect(march: Explicit) -> Iterator[tuple[str, Array]]:
+    """Yield every effect of the scene and its force on each node in the last step, (3, n) [N]."""
+    state, effects = march.state, copy.deepcopy(march.effects)  # friction remembers: not ours
+    n, dt, time = state.n, march.dt, march.time - 0.5 * march.dt
+    inner, outer = internal(state), state.rows("F0 F1 F2")
+    buf = _half_a_step_back(state, dt)
+    then = State(buf, n, state.first, state.elements)
+    stretch_and_shear(buf, n, None if effects.viscous is None else 0.0)
+    elastic = internal(then)
+    yield ELASTIC, elastic
+    if effects.viscous is not None:
+        yield VISCOUS, inner - elastic
+    for name, force in _outer(then, effects, time, dt):
+        outer = outer - force
+        yield name, force
+    if effects.friction is not None or effects.tine_friction is not None:
+        yield RUBBING, outer  # what is left
+
+
+def internal(state: State) -> Array:
+    """Return the force of its two elements on every node, (3, n) [N]."""
+    normal = state.rows("N0 N1 N2")
+    return normal - np.roll(normal, 1, axis=1)
+
+
+def _half_a_step_back(state: State, dt: float) -> Array:
+    """Return a copy of the buffer with positions and frames as the last forces saw them."""
+    buf = empty_buffer()
+    State(buf, state.n, state.first, state.elements).used()[:] = state.used()
+    drift(buf, state.n, -0.5 * dt)
+    return buf
+
+
+def _outer(then: State, effects: Effects, time: float, dt: float) -> Iterator[tuple[str, Array]]:
+    """Yield every outer effect that depends on positions and its force, (3, n) [N]."""
+    buf, n = then.buf, then.n
+    if effects.gravity is not None:
+        yield WEIGHT, np.outer(effects.gravity, then.row("MASS"))
+    if effects.pulled is not None:
+        clear_loads(buf, n)
+        pull(buf, effects.pulled, time, dt)
+        yield LOAD, then.rows("F0 F1 F2")
+    if effects.contact is not None:
+        clear_loads(buf, n)
+        contact_forces(buf, n, dt, effects.contact, _smooth(effects.friction))
+        yield RODS, then.rows("F0 F1 F2")
+    if effects.tines is not None:
+        clear_loads(buf, n)
+        place(effects.tines, time)
+        tine_forces(buf, n, dt, effects.tines, _smooth(effects.tine_friction))
+        yield TINE, then.rows("F0 F1 F2")
+
+
+def _smooth(friction: Friction | None) -> Friction | None:
+    """Return friction without coefficients: the kernels are compiled for its type."""
+    return None if friction is None else friction._replace(forward=0.0, backward=0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim import effects, timestep
-from sim.diagnosis import unstable
+from sim.diagnosis import unstable, wound_up
 from sim.errors import SceneError
 from sim.kernels import march as march_kernel
 from sim.kernels import neighbours
@@ -58,7 +58,8 @@ class Explicit:
         Raises
         ------
         Unstable
-            The speed of some node left the range that the time step resolves.
+            The speed of some node left the range that the time step resolves, or an element turned
+            by nearly half a turn against its neighbour.
         """
         left = steps
         while left > 0:
@@ -71,6 +72,8 @@ class Explicit:
                 self._rebuild()
             elif status == march_kernel.UNSTABLE:
                 raise unstable(self)
+            elif status == march_kernel.WOUND:
+                raise wound_up(self)
 
     def _rebuild(self) -> None:
         """List the pairs that may touch, making room when there are more than before."""

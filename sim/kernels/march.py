@@ -21,7 +21,7 @@ from sim.kernels.rod import (
 from sim.kernels.tine import Tines
 from sim.kernels.touch import touching_loads
 
-DONE, STALE, UNSTABLE = 0, 1, 2
+DONE, STALE, UNSTABLE, WOUND = 0, 1, 2, 3
 
 
 class Gravity(NamedTuple):
@@ -62,14 +62,18 @@ def weigh(buf, n, gravity):
 
 @kernel
 def body_loads(buf, n, time, dt, viscous, gravity, pulled):
-    """Fill the internal forces and couples and add weight and end loads."""
+    """Fill the internal forces and couples, add weight and end loads.
+
+    Returns how many vertices are about to turn by more than half a turn.
+    """
     clear_loads(buf, n)
     stretch_and_shear(buf, n, viscous)
-    bend_and_twist(buf, n, viscous)
+    wound = bend_and_twist(buf, n, viscous)
     if gravity is not None:
         weigh(buf, n, gravity)
     if pulled is not None:
         pull(buf, pulled, time, dt)
+    return wound
 
 
 @kernel
@@ -127,7 +131,8 @@ def march(buf, n, time, dt, steps, limit, effects):
     """Take up to `steps` steps from `time`; return how many were taken and why it stopped.
 
     STALE: the neighbour list must be rebuilt before the next step. UNSTABLE: after the step counted
-    last, a node's squared speed is above `limit` or not a number.
+    last, a node's squared speed is above `limit` or not a number. WOUND: in that step an element
+    turned by nearly half a turn against its neighbour.
     """
     keep, viscous, gravity, contact, friction, tines, tine_friction, driven, pulled, ledger = (
         effects
@@ -140,7 +145,7 @@ def march(buf, n, time, dt, steps, limit, effects):
         if is_stale(buf, n, contact):
             drift(buf, n, -half)
             return step, STALE
-        body_loads(buf, n, middle, dt, viscous, gravity, pulled)
+        wound = body_loads(buf, n, middle, dt, viscous, gravity, pulled)
         touch(buf, n, middle, dt, contact, friction, tines, tine_friction, ledger)
         record(buf, driven, dt)
         speed_up(buf, n, dt, keep, viscous, ledger)
@@ -148,4 +153,6 @@ def march(buf, n, time, dt, steps, limit, effects):
         drift(buf, n, half)
         if too_fast(buf, n, limit) > 0:
             return step + 1, UNSTABLE
+        if wound > 0:
+            return step + 1, WOUND
     return steps, DONE

@@ -18,6 +18,10 @@ from sim.kernels.vectors import at, dot
 # theta/sin(theta) as a series in z = sin^2(theta/2): a_{n+1}/a_n = 2(n+1)/(2n+3).
 SERIES_LIMIT = 0.06  # theta = 28 degrees; the first term left out is below 1e-16 there
 
+# z at 177 degrees. Beyond half a turn the rotation vector flips over and a turn is lost; a march
+# that turns by less than 6 degrees a step cannot get there unseen.
+HALF_TURN = math.sin(0.5 * math.radians(177.0)) ** 2
+
 
 @kernel
 def drift(buf, n, dt):
@@ -91,14 +95,17 @@ def strain_rate(buf, i, s0, s1, s2):
 def bend_and_twist(buf, n, viscous):
     """Fill the couples of every vertex on its two elements, in their body frames [N m].
 
+    Returns how many vertices are about to turn by more than half a turn, which no frames can tell.
     Loops of their own, because a single one is too long for the compiler to inline and vectorise:
     32 ns per vertex instead of 5.
     """
     sharp = turn_between_elements(buf, n)
     rotation_vectors(buf, n)
+    wound = 0
     if sharp > 0:
-        bend_sharply(buf, n)
+        wound = bend_sharply(buf, n)
     couple_elements(buf, n, viscous)
+    return wound
 
 
 @kernel
@@ -133,13 +140,19 @@ def couple_elements(buf, n, viscous):
 
 @kernel
 def bend_sharply(buf, n):
-    """Repeat the vertices that turn too far for the series, with the exact logarithm."""
+    """Repeat the vertices that turn too far for the series, with the exact logarithm.
+
+    Returns how many turn by nearly half a turn.
+    """
+    wound = 0
     for i in range(1, n):
         if buf[R1 + i] > SERIES_LIMIT:
+            wound += 1 if buf[R1 + i] > HALF_TURN else 0
             p0, p1, p2 = logarithm(buf, i)
             theta = math.sqrt(p0 * p0 + p1 * p1 + p2 * p2)
             buf[L0 + i], buf[L1 + i], buf[L2 + i] = p0, p1, p2
             buf[R0 + i] = (1.0 - 0.5 * theta / math.tan(0.5 * theta)) / (theta * theta)
+    return wound
 
 
 @formula

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from sim.errors import SceneError
+from sim.errors import SceneError, Unstable
 from sim.kernels import rod as kernels
-from sim.scene import Helix, RandomCurvature, Rod, Scene, Straight
+from sim.scene import End, Helix, Motion, RandomCurvature, Rod, Scene, Straight
 from sim.state import build, rigidities
 
-from .hard import FREE, SOFT, line, march_of, rod, show
+from .hard import CLAMPED, FREE, SOFT, line, march_of, rod, show
 from .test_hard_rods import turn_element
 
 R = 5e-3
@@ -63,3 +63,24 @@ def test_strand_drawn_folded_back_onto_itself_by_180_degrees_is_refused(below_pi
     nodes = np.array([[0, 0, 0], [0.01, 0, 0], [0.02, 0, 0], [0.02, 0, 0] + 0.01 * np.array(back)])
     with pytest.raises(SceneError, match="rods.0.shape: .* node 2"):
         march_of(rod(nodes, R, root=FREE))
+
+
+@pytest.mark.parametrize("elements", [4, 8])
+def test_rod_twisted_further_than_half_a_turn_per_element_stops_there_and_says_so(elements):
+    """A clamp turns on and on: each of n elements takes 2 pi/n of a turn until one has its half.
+
+    The clamps' own half elements twist by half as much, so the stop comes after n/2 turns; without
+    it every further turn would slip through unseen.
+    """
+    spin = 20.0
+    tip = End(hold="clamped", motion=Motion(spin=(spin, 0, 0)))
+    nodes = line([0, 0, 0], [1, 0, 0], 0.02 * elements, elements)
+    march = march_of(rod(nodes, R, root=CLAMPED, tip=tip), drag=20)
+    with pytest.raises(
+        Unstable, match=r"half a turn at t = .* rod 0 twists by 17\d degrees"
+    ) as stop:
+        march.advance(round(2 * math.pi * elements / spin / march.dt))
+    turns = (stop.value.time - 0.005) * spin / (2 * math.pi)
+    assert turns == pytest.approx(elements / 2 * 177 / 180, rel=0.03)
+    assert 0 <= stop.value.element <= elements
+    show(f"clamp turned on, {elements} elements", f"stopped after {turns:.2f} turns")
