@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim import effects, timestep
-from sim.diagnosis import unstable, wound_up
+from sim.diagnosis import unstable
 from sim.errors import SceneError
 from sim.kernels import march as march_kernel
 from sim.kernels import neighbours
@@ -13,6 +13,7 @@ from sim.kernels.contact import Contact, Friction
 from sim.kernels.tine import Tines
 from sim.scene import Scene
 from sim.state import build
+from sim.winding import wound_up
 
 SPEED_LIMIT = 0.2  # of an element's length per step; the stable march stays far below
 
