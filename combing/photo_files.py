@@ -41,7 +41,8 @@ corner of the first pixel: add 0.5 (`rois.zip` has it added). An empty cell is u
   without sections
 - `link.csv` link density lambda(s) of each pair of strands that wind round each other
 - `labels.png` strand number of each pixel, 0 = background, the top strand wins
-- `overlay.png`, `overlay.svg` what was found, over the photograph
+- `overlay.png`, `overlay.svg` what was found, over the photograph: a ring is a crossing, the bar in
+  it lies along the strand on top and is missing when that is unknown
 - `rois.zip` the same for ImageJ's ROI manager (with the extra `formats`)
 - `histogram.png`, `.svg` rho_N; of several photographs `kymograph.png`, `.svg`: strands in
   interactions, section by section, photograph by photograph

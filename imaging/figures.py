@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 
 def histogram(densities: pd.DataFrame, unit: str) -> Figure:
@@ -16,8 +17,8 @@ def histogram(densities: pd.DataFrame, unit: str) -> Figure:
         Of the density's length: "m" or "px".
     """
     shown = densities[densities["N"] <= max(densities["N"][densities["count"] > 0].max(), 5)]
-    figure = Figure(figsize=(4.2, 3.2), layout="constrained")
-    axes = figure.add_subplot()
+    figure = Figure(figsize=(4.2, 3.2))
+    axes = figure.add_axes((0.2, 0.16, 0.77, 0.74))  # fixed: a layout engine takes longer to draw
     error = np.stack([shown["density"] - shown["low"], shown["high"] - shown["density"]])
     axes.bar(shown["N"], shown["density"], color="#4878a8", width=0.7)
     axes.errorbar(shown["N"], shown["density"], error, fmt="none", ecolor="black", capsize=3)
@@ -48,5 +49,5 @@ def kymograph(found: pd.DataFrame) -> Figure:
     few = np.unique(np.linspace(0, table.shape[1] - 1, 12).round().astype(int))
     axes.set_xticks(few, [table.columns[i] for i in few], rotation=60, ha="right", fontsize=7)
     axes.set_title("strands in interactions", fontsize=9)
-    figure.colorbar(picture, ax=axes)
+    figure.colorbar(picture, ax=axes, ticks=MaxNLocator(integer=True))
     return figure

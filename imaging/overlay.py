@@ -9,12 +9,14 @@ import numpy as np
 import pandas as pd
 from scipy.spatial import cKDTree
 
+from imaging.centreline import arclength
 from imaging.photo import Photo
 from imaging.segment import Segmentation
 from imaging.trace import Strand
 
 SUBPIXEL_BITS = 4
 RING = "#ff00c8"  # a colour strands seldom have
+RING_RADIUS = 1.1  # strand widths
 
 
 def labels_picture(segmentation: Segmentation, strands: Sequence[Strand]) -> np.ndarray:
@@ -37,7 +39,10 @@ def labels_picture(segmentation: Segmentation, strands: Sequence[Strand]) -> np.
 def draw_overlay(
     photo: Photo, segmentation: Segmentation, strands: Sequence[Strand], crossings: pd.DataFrame
 ) -> np.ndarray:
-    """Draw centrelines, strand numbers and crossings over the photograph, (h, w, 3) uint8 RGB."""
+    """Draw centrelines, strand numbers and crossings over the photograph, (h, w, 3) uint8 RGB.
+
+    A crossing is a ring; the bar in it lies along the strand on top, and is missing when unknown.
+    """
     picture = np.round(255 * photo.rgb()).astype(np.uint8)
     thick = _thickness(segmentation)
     for strand in strands:
@@ -47,18 +52,36 @@ def draw_overlay(
                 picture, [_fixed(run)], False, ink, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS
             )
     ring = tuple(int(RING[i : i + 2], 16) for i in (1, 3, 5))
-    radius = int(2**SUBPIXEL_BITS * 0.8 * segmentation.width)
+    radius = int(2**SUBPIXEL_BITS * RING_RADIUS * segmentation.width)
     for x, y in crossings[["x", "y"]].to_numpy():
         centre = tuple(_fixed(np.array([x, y])).tolist())
         cv2.circle(picture, centre, radius, ring, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS)
+    for bar in _top_bars(strands, crossings, RING_RADIUS * segmentation.width):
+        cv2.polylines(picture, [_fixed(bar)], False, ring, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS)
     for number, strand in enumerate(strands, start=1):
         _write_number(picture, number, strand.line[0])
     return picture
 
 
+def _top_bars(
+    strands: Sequence[Strand], crossings: pd.DataFrame, radius: float
+) -> list[np.ndarray]:
+    """Across each ring, a line (2, 2) along the strand on top."""
+    bars = []
+    for row in crossings[crossings["over"].notna()].to_dict("records"):
+        which = "a" if row["over"] == row["strand_a"] else "b"
+        line = strands[row["over"] - 1].line
+        at = int(np.searchsorted(arclength(line), row[f"s_{which}"]))
+        ends = line[[max(at - 3, 0), min(at + 3, len(line) - 1)]]
+        along = np.subtract(*ends[::-1])
+        reach = radius * along / max(float(np.hypot(*along)), 1e-9)
+        bars.append(np.array([row["x"], row["y"]]) + np.stack([-reach, reach]))
+    return bars
+
+
 def _thickness(segmentation: Segmentation) -> int:
     """Return a line width [px] that leaves the strand's own colour to be seen on both sides."""
-    return max(1, round(segmentation.width / 8))
+    return max(1, round(segmentation.width / 6))
 
 
 def _ink(lab: np.ndarray) -> tuple[int, int, int]:
@@ -103,7 +126,7 @@ def overlay_svg(
     bgr = np.round(255 * photo.rgb()[..., ::-1]).astype(np.uint8)
     jpeg = base64.b64encode(cv2.imencode(".jpg", bgr)[1].tobytes()).decode()
     lines = [_svg_strand(i, s, segmentation) for i, s in enumerate(strands, start=1)]
-    radius = 0.8 * segmentation.width
+    radius = RING_RADIUS * segmentation.width
     rings = [_svg_ring(row, radius) for row in crossings.to_dict("records")]
     return "\n".join(
         [
@@ -115,6 +138,7 @@ def overlay_svg(
             "</g>",
             f'<g fill="none" stroke="{RING}" stroke-width="{_thickness(segmentation)}">',
             *rings,
+            *(_svg_bar(bar) for bar in _top_bars(strands, crossings, radius)),
             "</g>",
             "</svg>",
             "",
@@ -127,6 +151,11 @@ def _svg_strand(number: int, strand: Strand, segmentation: Segmentation) -> str:
     ink = f"#{red:02x}{green:02x}{blue:02x}"
     points = " ".join(f"{x:.2f},{y:.2f}" for x, y in strand.line + 0.5)
     return f'<polyline stroke="{ink}" points="{points}"><title>strand {number}</title></polyline>'
+
+
+def _svg_bar(bar: np.ndarray) -> str:
+    (x1, y1), (x2, y2) = bar + 0.5
+    return f'<line x1="{x1:.2f}" y1="{y1:.2f}" x2="{x2:.2f}" y2="{y2:.2f}"/>'
 
 
 def _svg_ring(row: dict[Hashable, Any], radius: float) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 from scipy.ndimage import map_coordinates
 
@@ -11,7 +12,8 @@ from imaging.segment import Segmentation
 from imaging.trace import Strand
 
 THIN = 4.0  # px; narrower strands have no inside
-SOFT = 0.3  # of the width, sd of the blur; beyond it neighbouring strands run into each other
+SOFT = 0.26  # of the width, sd of the blur; a strand that is nothing but blur has 0.28
+REACH, STEP = 1.5, 0.15  # strand widths from the middle outwards, along which edges are looked at
 BURNT = 0.995  # of full scale in every channel
 NEAR = 2.0  # strand widths between a strand's end and the glare that cuts it
 DARK = 0.2  # of full scale; a photograph with nothing brighter is underexposed
@@ -26,7 +28,7 @@ def notes_on(photo: Photo, segmentation: Segmentation, strands: Sequence[Strand]
             f"strands are {segmentation.width:.1f} px wide; at least {THIN:.0f} px are needed to "
             "tell neighbours apart: go closer"
         )
-    blur = edge_blur(segmentation, strands)
+    blur = edge_blur(photo, segmentation.width, strands)
     if blur > SOFT * segmentation.width:
         notes.append(
             f"blurred: edges are soft over {RISE * blur:.1f} px (strands {segmentation.width:.1f} "
@@ -45,26 +47,28 @@ def exposure(photo: Photo) -> str:
     return f"dark: its brightest part has {100 * brightest:.0f} % of full scale; expose longer"
 
 
-def edge_blur(segmentation: Segmentation, strands: Sequence[Strand]) -> float:
+def edge_blur(photo: Photo, width: float, strands: Sequence[Strand]) -> float:
     """Sd of the blur of the strands' edges [px], from the steepest slope across them; 0 = unknown.
 
-    An ideal edge blurred by sd sigma rises at most by 1 / (sigma sqrt(2 pi)) a pixel. The shading
-    of a tube counts as blur too, so this is an upper bound.
+    An ideal edge of contrast c blurred by sd sigma rises at most by c / (sigma sqrt(2 pi)) a
+    pixel. The shading of a tube counts as blur too, so this is an upper bound; a strand blurred
+    by its own width or more is a Gaussian, whose ratio of this to its half-contrast width is 0.28.
     """
-    coverage = segmentation.membership.sum(axis=0)
-    steps = np.arange(-0.3, 1.2, 0.5 / segmentation.width)[:, None] * segmentation.width
-    slopes = []
+    lab = cv2.cvtColor(photo.rgb(), cv2.COLOR_RGB2Lab)
+    steps = width * np.arange(0, REACH, STEP)[:, None]
+    found = []
     for strand in strands:
         rows = np.flatnonzero(strand.edges == 2)[::5]
         points, across = strand.line[rows], normals(strand.line)[rows]
         for side in (-1, 1):
-            x, y = (points[:, i] + side * steps * across[:, i] for i in (0, 1))
-            profile = map_coordinates(coverage, [y, x], order=1, mode="nearest")
-            slopes.append(np.abs(np.diff(profile, axis=0)).max(axis=0, initial=0) / 0.5)
-    if not slopes:
-        return 0.0
-    slope = float(np.median(np.concatenate(slopes)))
-    return 1 / (slope * np.sqrt(2 * np.pi)) if slope > 0 else 0.0
+            at = [points[:, i] + side * steps * across[:, i] for i in (1, 0)]
+            colour = np.stack([map_coordinates(lab[..., c], at, order=1, mode="nearest")
+                               for c in range(3)], -1)  # fmt: skip
+            contrast = np.linalg.norm(colour - colour[-1:], axis=-1)
+            slope = -np.diff(contrast, axis=0).min(axis=0, initial=0) / (STEP * width)
+            found.append(contrast.max(axis=0, initial=0) / np.maximum(slope, 1e-6))
+    rise = np.concatenate(found) if found else np.empty(0)
+    return float(np.median(rise)) / np.sqrt(2 * np.pi) if len(rise) else 0.0
 
 
 def _ends(photo: Photo, segmentation: Segmentation, strands: Sequence[Strand]) -> list[str]:

@@ -200,6 +200,8 @@ def _summary(rows: list[dict[str, Any]], output: Path) -> str:
     kept = sum(bool(row.get("kept")) for row in rows)
     before = f" ({kept} of them before; --again measures anew)" if kept else ""
     lines.append(f"{len(rows) - refused} measured{before}, {refused} refused; results in {output}")
+    if not any("metres_per_pixel" in row for row in rows) and refused < len(rows):
+        lines.append("no scale: lengths in pixels; give --scale for metres")
     return "\n".join(lines)
 
 
@@ -213,14 +215,12 @@ def _lines(row: dict[str, Any]) -> list[str]:
     if row["over_unknown"]:
         text += f" ({row['over_unknown']} with unknown top)"
     if row["self_crossings"]:
-        text += f", {row['self_crossings']} of strands with themselves"
+        text += f", {_number(row['self_crossings'], 'self-crossing')}"
     if "n_sec" in row:
         text += f"; interactions in {row['n_sec']} sections: {counts or 'none'}"
     if "metres_per_pixel" in row:
         text += f"; {1e3 * row['metres_per_pixel']:.4g} mm/px"
         text += f" +- {100 * row['scale_relative_sd']:.2g} % ({row['scale_from']})"
-    else:
-        text += "; no scale: lengths in pixels"
     wind = [
         f"  strands {w['strands'][0]} and {w['strands'][1]} wind {w['handedness']}-handed, "
         f"{abs(w['total_link']):.3f} +- {w['total_link_sd']:.3f} turns"
