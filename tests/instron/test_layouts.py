@@ -189,10 +189,10 @@ def single_blanks():
 
 def quoted_german_in_a_comma_file():
     def cell(v):
-        return '"' + f"{v:,.3f}".translate(str.maketrans(",.", ".,")) + '"'
+        return '"' + f"{v:,.4f}".translate(str.maketrans(",.", ".,")) + '"'
 
     body = "".join(f"{cell(t)},{cell(x)},{cell(f)}\n" for t, x, f in zip(T, X, F * 9, strict=True))
-    return "Zeit,Weg,Kraft\n(s),(mm),(N)\n" + body, one(x=np.round(X, 3), f=np.round(F * 9, 3))
+    return "Zeit,Weg,Kraft\n(s),(mm),(N)\n" + body, one(f=np.round(F * 9, 4))
 
 
 def millions_in_a_tab_file():
