@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.explicit import Explicit
-from sim.kernels import layout
-from sim.state import State
 
 Arrays = dict[str, NDArray[Any]]
 BUFFER = "state.buf"
@@ -25,7 +23,7 @@ def freeze(march: Explicit) -> Arrays:
         The march holds something that is neither a number, an array nor a tuple of such, which
         would be lost.
     """
-    frozen: Arrays = {BUFFER: used(march.state).copy()}
+    frozen: Arrays = {BUFFER: march.state.used().copy()}
     for name, value in vars(march).items():
         if name not in RECIPE:
             _pack(name, value, frozen)
@@ -34,15 +32,10 @@ def freeze(march: Explicit) -> Arrays:
 
 def thaw(march: Explicit, frozen: Arrays) -> None:
     """Put what `freeze` returned into a march of the same scene."""
-    used(march.state)[:] = frozen[BUFFER]
+    march.state.used()[:] = frozen[BUFFER]
     for name, value in vars(march).items():
         if name not in RECIPE:
             setattr(march, name, _unpack(name, value, frozen))
-
-
-def used(state: State) -> NDArray[np.float64]:
-    """Return the used part of the buffer and the index behind it, (ROWS, n + 1), as a view."""
-    return state.buf.reshape(layout.ROWS, layout.PITCH)[:, : state.n + 1]
 
 
 def _fields(name: str, value: Any) -> dict[str, Any]:

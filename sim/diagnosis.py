@@ -58,8 +58,7 @@ def unstable(march: Explicit) -> Unstable:
     state = march.state
     speed = np.linalg.norm(state.rows("V0 V1 V2"), axis=0)
     worst = int(np.argmax(np.where(np.isfinite(speed), speed, np.inf)))
-    rod = int(np.searchsorted(state.first, worst, side="right") - 1)
-    element = worst - state.first[rod]
+    rod, element = _place(state, worst)
     if np.isfinite(speed[worst]):
         effect, mode, why, remedy = _runaway(march, worst)
     else:
@@ -70,6 +69,12 @@ def unstable(march: Explicit) -> Unstable:
         f"{speed[worst]:.3g} m/s; {why}; {remedy}",
         march.time, rod, element, effect, mode,
     )  # fmt: skip
+
+
+def _place(state: State, node: int) -> tuple[int, int]:
+    """Return the rod that an index of the buffer is on, and its number there."""
+    rod = int(np.searchsorted(state.first, node, side="right") - 1)
+    return rod, node - state.first[rod]
 
 
 def _not_a_number(march: Explicit) -> str:
@@ -94,10 +99,11 @@ def _runaway(march: Explicit, node: int) -> tuple[str, str, str, str]:
     if march.state.row("INV_MASS")[node] == 0:
         return MOTION, MOTION, "its prescribed motion is that fast", REMEDY[MOTION]
     forces = {name: float(np.linalg.norm(force[:, node])) for name, force in by_effect(march)}
-    touching = [name for name in (RODS, TINE) if forces.get(name, 0.0) > 0]
-    mode, limit, sustained = _local_limit(march, node, bool(touching))
+    touching = {name: forces[name] for name in (RODS, TINE) if name in forces}
+    near = any(touching.values()) or _has_neighbours(march, node)
+    mode, limit, sustained = _local_limit(march, node, near)
     if march.dt > limit:
-        effect = max(touching, key=forces.__getitem__) if mode == SPRING else ELASTIC
+        effect = max(touching, key=touching.__getitem__) if mode == SPRING else ELASTIC
         why = f"the time step of {march.dt:.3g} s is above the {limit:.3g} s that {mode} allows"
         return effect, mode, why, SHORTER
     if march.dt > sustained:
@@ -124,13 +130,23 @@ def _driver(march: Explicit) -> str | None:
     return largest
 
 
-def _local_limit(march: Explicit, node: int, touching: bool) -> tuple[str, float, float]:
+def _has_neighbours(march: Explicit, node: int) -> bool:
+    """Tell whether an element beside a node is listed to touch another rod: it may just bounce."""
+    contact = march.effects.contact
+    if contact is None:
+        return False
+    first, last = contact.start[node - 1], contact.start[node + 1]
+    listed = contact.partner[: contact.start[-1]]
+    return bool(last > first or np.isin(listed, (node - 1, node)).any())
+
+
+def _local_limit(march: Explicit, node: int, near: bool) -> tuple[str, float, float]:
     """Return the stiffest mode beside a node and the stability limit there, without and with
     material damping [s].
     """
     effects = march.effects
     touched = effects.contact or effects.tines
-    stiffness = touched.stiffness if touching and touched is not None else None
+    stiffness = touched.stiffness if near and touched is not None else None
     beside = [i for i in (node - 1, node) if march.state.row("LENGTH")[i] > 0]
     parts = {name: terms[beside] for name, terms in timestep.modes(march.state, stiffness).items()}
     total = timestep.together(parts)
@@ -145,9 +161,8 @@ def by_effect(march: Explicit) -> Iterator[tuple[str, Array]]:
     state, effects = march.state, copy.deepcopy(march.effects)  # friction remembers: not ours
     n, dt, time = state.n, march.dt, march.time - 0.5 * march.dt
     inner, outer = internal(state), state.rows("F0 F1 F2")
-    buf = _half_a_step_back(state, dt)
-    then = State(buf, n, state.first, state.elements)
-    stretch_and_shear(buf, n, None if effects.viscous is None else 0.0)
+    then = _half_a_step_back(march)
+    stretch_and_shear(then.buf, n, None if effects.viscous is None else 0.0)
     elastic = internal(then)
     yield ELASTIC, elastic
     if effects.viscous is not None:
@@ -165,12 +180,13 @@ def internal(state: State) -> Array:
     return normal - np.roll(normal, 1, axis=1)
 
 
-def _half_a_step_back(state: State, dt: float) -> Array:
-    """Return a copy of the buffer with positions and frames as the last forces saw them."""
-    buf = empty_buffer()
-    State(buf, state.n, state.first, state.elements).used()[:] = state.used()
-    drift(buf, state.n, -0.5 * dt)
-    return buf
+def _half_a_step_back(march: Explicit) -> State:
+    """Return a copy of the rods with positions and frames as the last forces saw them."""
+    state = march.state
+    then = State(empty_buffer(), state.n, state.first, state.elements)
+    then.used()[:] = state.used()
+    drift(then.buf, then.n, -0.5 * march.dt)
+    return then
 
 
 def _outer(then: State, effects: Effects, time: float, dt: float) -> Iterator[tuple[str, Array]]:

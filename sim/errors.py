@@ -18,15 +18,21 @@ class Unstable(RuntimeError):
         When it happened [s].
     rod, element : int
         Where the speed was largest.
+    effect, mode : str
+        What drove it there: an effect of the scene, and the motion of the mesh it excited.
     path : Path or None
         Where the run was written as far as it was good.
     """
 
     users_fault = True  # the message says what to change; a traceback says nothing
 
-    def __init__(self, message: str, time: float, rod: int, element: int) -> None:
-        super().__init__(message, time, rod, element)  # all of them, so that it can be pickled
+    def __init__(
+        self, message: str, time: float, rod: int, element: int, effect: str, mode: str
+    ) -> None:
+        # All of them, so that it can be pickled.
+        super().__init__(message, time, rod, element, effect, mode)
         self.time, self.rod, self.element = time, rod, element
+        self.effect, self.mode = effect, mode
         self.path: Path | None = None
 
     def __str__(self) -> str:

@@ -45,6 +45,10 @@ class State:
         start = layout.ROW[name] * layout.PITCH
         return self.buf[start : start + self.n]
 
+    def used(self) -> Array:
+        """Return the used part of all rows and the index behind it as a view, (ROWS, n + 1)."""
+        return self.buf.reshape(layout.ROWS, layout.PITCH)[:, : self.n + 1]
+
     def rows(self, names: str) -> Array:
         """Return several rows by name, separated by blanks, as one (rows, n) copy."""
         return np.stack([self.row(name) for name in names.split()])

@@ -3,10 +3,14 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.errors import SceneError
 from sim.scene import Scene
 from sim.state import State
+
+Array = NDArray[np.float64]
+SHEAR, AXIAL, BENDING, SPRING = "shear rotation", "axial wave", "bending", "contact spring"
 
 
 def stable_step(
@@ -31,23 +35,39 @@ def stable_step(
     viscous : float or None
         Kelvin-Voigt time T [s].
     """
+    dt = float(1 / np.sqrt(np.max(together(modes(state, stiffness)))))
+    return dt * damped(viscous, dt)
+
+
+def modes(state: State, stiffness: float | None = None) -> dict[str, Array]:
+    """Return what each stiff motion of an element adds to 1/dt^2 [1/s^2], (n,) each."""
     length, inverse = state.row("LENGTH"), state.row("INV_LENGTH")
     line_density = np.full(state.n, np.inf)
     for rod, count in enumerate(state.elements):
         at = slice(state.first[rod], state.first[rod] + count)
         total = state.row("MASS")[state.nodes(rod)].sum()
         line_density[at] = total / length[at].sum()
-    shear = state.row("SHEAR") * length * state.row("INV_J1") / 4
-    stretch = state.row("STRETCH") * inverse**2 / line_density
     springs = state.row("BEND") * state.row("INV_VORONOI")
     # A clamp's spring is as short as half an element but stiffens one side only: measured, no worse
     # than an inner one (benchmarks/sim_stability.py).
     springs = np.where(state.row("INV_MASS") > 0, springs, 0.5 * springs)
-    bend = 0.5 * (springs + np.roll(springs, -1)) * state.row("INV_J1")
-    contact = (stiffness or 0.0) / line_density
-    dt = float(1 / np.sqrt(np.max(shear + np.maximum(stretch, bend) + contact)))
+    return {
+        SHEAR: state.row("SHEAR") * length * state.row("INV_J1") / 4,
+        AXIAL: state.row("STRETCH") * inverse**2 / line_density,
+        BENDING: 0.5 * (springs + np.roll(springs, -1)) * state.row("INV_J1"),
+        SPRING: (stiffness or 0.0) / line_density,
+    }
+
+
+def together(parts: dict[str, Array]) -> Array:
+    """Return 1/dt^2 of all modes at once [1/s^2]: axial and bending waves exclude each other."""
+    return parts[SHEAR] + np.maximum(parts[AXIAL], parts[BENDING]) + parts[SPRING]
+
+
+def damped(viscous: float | None, dt: float) -> float:
+    """Return the factor by which a Kelvin-Voigt time [s] shortens a stability limit dt [s]."""
     z = (viscous or 0.0) / dt
-    return dt * (math.sqrt(1 + z * z) - z)
+    return math.sqrt(1 + z * z) - z
 
 
 def choose_step(scene: Scene, limit: float) -> float:

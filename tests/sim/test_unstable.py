@@ -1,0 +1,178 @@
+"""A march driven out of its range in many ways: it stops there and names what did it."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import sim
+from sim.diagnosis import by_effect, internal
+from sim.explicit import Explicit
+from sim.kernels.march import Gravity
+from sim.scene import (
+    Contact,
+    Damping,
+    End,
+    Friction,
+    Load,
+    Material,
+    Motion,
+    Output,
+    Rod,
+    Scene,
+    Straight,
+    Tine,
+)
+
+R = 1e-3
+STUFF = Material(E=1e8, density=1000.0)
+
+
+def rod(length, elements, x=0.0, **ends):
+    shape = Straight(root=(x, 0.0, 0.0), length=length)
+    return Rod(shape=shape, radius=R, elements=elements, material=STUFF, **ends)
+
+
+def pair(gap, elements=20, **changes):
+    """Two parallel rods whose centrelines are `gap` apart, elements two radii long."""
+    rods = [rod(2 * R * elements, elements, x) for x in (0.0, gap)]
+    return Scene(rods=rods, duration=1, **{"contact": Contact(), **changes})
+
+
+def fails(march, steps=20_000, kick=0.0):
+    rows = march.state
+    rows.row("V0")[rows.nodes(0)] += kick * (-1.0) ** np.arange(rows.elements[0] + 1)
+    with pytest.raises(sim.Unstable) as caught:
+        march.advance(steps)
+    return caught.value
+
+
+def limit_of(scene):
+    return Explicit(scene).limit
+
+
+@pytest.mark.parametrize(
+    ("elements", "modes"),
+    [(10, {"shear rotation"}), (400, {"axial wave", "bending"})],
+    ids=["slender elements", "elements shorter than the radius"],
+)
+def test_a_step_above_the_limit_is_laid_to_the_mode_that_sets_it(elements, modes):
+    scene = Scene(rods=[rod(0.1, elements)], duration=1)
+    error = fails(Explicit(scene, dt=1.4 * limit_of(scene)), kick=1e-3)
+    assert error.effect == "elasticity"
+    assert error.mode in modes
+    assert "the time step of" in str(error)
+    assert "lower safety" in str(error)
+
+
+def test_a_step_above_the_limit_of_a_stiff_contact_is_laid_to_its_spring():
+    scene = pair(1.9 * R, contact=Contact(stiffness=1e11))
+    error = fails(Explicit(scene, dt=3 * limit_of(scene)))
+    assert (error.effect, error.mode) == ("contact of rods", "contact spring")
+
+
+def test_damping_beyond_what_the_step_resolves_is_laid_to_the_material():
+    scene = Scene(rods=[rod(0.1, 10)], duration=1, damping=Damping(material=1e-9))
+    march = Explicit(scene)
+    march.effects = march.effects._replace(viscous=50 * march.dt)
+    error = fails(march, kick=1e-3)
+    assert error.effect == "material damping"
+    assert "damping.material" in str(error)
+
+
+def test_an_absurd_overlap_is_laid_to_the_contact():
+    error = fails(Explicit(pair(0.02 * R, contact=Contact(stiffness=3e9))))
+    assert (error.effect, error.mode) == ("contact of rods", "contact spring")
+    assert "overlap" in str(error)
+
+
+@pytest.mark.parametrize("speed", [40.0, 100.0])
+def test_a_tine_too_fast_is_laid_to_the_tine_even_where_the_tip_whips_round(speed):
+    tine = Tine(position=(-4 * R, 0.0, -0.02), axis=(0.0, 1.0, 0.0), length=0.05, radius=R,
+                direction=(1.0, 0.0, 0.0), insertion=0.0, ramp=0.0, speed=speed,
+                travel=1.0)  # fmt: skip
+    error = fails(Explicit(Scene(rods=[rod(0.04, 40)], duration=1, tines=[tine])))
+    assert (error.effect, error.mode) == ("contact with a tine", "contact spring")
+    assert "the tine's speed" in str(error)
+
+
+def test_an_end_moved_too_fast_is_laid_to_its_motion():
+    tip = End(hold="pinned", motion=Motion(velocity=(1e5, 0.0, 0.0), start=1e-5, ramp=0.0))
+    error = fails(Explicit(Scene(rods=[rod(0.1, 10, tip=tip)], duration=1)))
+    assert (error.effect, error.mode) == ("prescribed motion", "prescribed motion")
+    assert error.time == pytest.approx(1e-5, abs=6e-6)
+    assert error.element == 10
+
+
+def test_a_load_too_large_is_laid_to_the_load():
+    tip = End(load=Load(force=(1e6, 0.0, 0.0)))
+    error = fails(Explicit(Scene(rods=[rod(0.1, 10, tip=tip)], duration=1)))
+    assert (error.effect, error.element) == ("end load", 10)
+
+
+def test_a_load_that_is_no_number_is_found():
+    tip = End(load=Load(force=(1e-6, 0.0, 0.0)))
+    march = Explicit(Scene(rods=[rod(0.1, 10), rod(0.1, 10, 0.1, tip=tip)], duration=1))
+    march.advance(7)
+    march.effects.pulled.load[0, 0] = np.nan
+    error = fails(march, steps=10)
+    assert (error.effect, error.mode, error.rod, error.element) == (
+        "end load", "not a number", 1, 10,
+    )  # fmt: skip
+    assert error.time == pytest.approx(8 * march.dt)  # the step where it happens
+
+
+def test_gravity_that_is_no_number_is_found():
+    march = Explicit(Scene(rods=[rod(0.1, 10)], duration=1, gravity=(0.0, 0.0, -9.81)))
+    march.effects = march.effects._replace(gravity=Gravity(0.0, np.nan, 0.0))
+    assert fails(march).effect == "gravity"
+
+
+def test_the_effects_add_up_to_what_the_march_has_summed():
+    """Momentum of the last step: forces by effect against the change of velocity."""
+    rods = [rod(0.04, 20, x) for x in (0.0, 1.9 * R)]
+    tine = Tine(position=(0.95 * R, 0.0, -0.02), axis=(0.0, 1.0, 0.0), length=0.05, radius=R,
+                insertion=1e-4)  # fmt: skip
+    scene = Scene(rods=rods, duration=1, contact=Contact(), tines=[tine],
+                  friction=Friction(forward=0.3, backward=0.3), gravity=(0.0, 0.0, -9.81),
+                  damping=Damping(material=1e-6))  # fmt: skip
+    march = Explicit(scene)
+    march.state.row("V2")[march.state.nodes(0)] = -1.0  # slides along the other and the tine
+    march.advance(10)
+    before = march.state.rows("V0 V1 V2")
+    march.advance(1)
+    change = (march.state.rows("V0 V1 V2") - before) / march.dt * march.state.row("MASS")
+    change *= march.state.row("INV_MASS") > 0
+    found = dict(by_effect(march))
+    assert set(found) == {
+        "elasticity", "material damping", "gravity", "contact of rods", "contact with a tine",
+        "friction",
+    }  # fmt: skip
+    total = sum(found.values()) * (march.state.row("INV_MASS") > 0)
+    for name, force in found.items():
+        assert np.abs(force).max() > 1e-9, name
+    np.testing.assert_allclose(total, change, atol=1e-9 * np.abs(internal(march.state)).max())
+
+
+def test_an_error_crosses_a_process_border():
+    error = fails(Explicit(pair(0.02 * R, contact=Contact(stiffness=3e9))))
+    again = pickle.loads(pickle.dumps(error))
+    assert str(again) == str(error)
+    assert (again.time, again.effect, again.mode) == (error.time, error.effect, error.mode)
+
+
+def test_what_was_good_is_on_disk_and_the_run_is_not_taken_for_whole(tmp_path):
+    motion = Motion(velocity=(1e5, 0.0, 0.0), start=5e-3, ramp=0.0)
+    scene = Scene(
+        rods=[rod(0.1, 10, tip=End(hold="pinned", motion=motion))],
+        duration=1e-2,
+        output=Output(sample_rate=1e4, snapshots=101),
+    )
+    with pytest.raises(sim.Unstable, match=r"recorded up to then: .*run\.unstable\.nc") as caught:
+        sim.simulate(scene, tmp_path / "run.nc")
+    assert [each.name for each in tmp_path.iterdir()] == ["run.unstable.nc"]
+    run = sim.open_run(caught.value.path)
+    assert run.times[-1] == pytest.approx(5e-3, abs=1.01e-4)
+    assert len(run.times) == len(np.unique(run.times)) >= 50
+    assert np.isfinite(run.strands(-1)[0]).all()
+    assert run.data.attrs["unstable"].startswith("unstable at t = 0.005")
