@@ -186,7 +186,11 @@ def _decode_raw(path: Path) -> np.ndarray:
                 size = f"{raw.sizes.width} x {raw.sizes.height}"
                 raise Unmeasurable(f"{path}: {_too_large(size)}")
             return raw.postprocess(
-                output_bps=16, no_auto_bright=True, use_camera_wb=True, gamma=(2.4, 12.92)
+                output_bps=16,
+                gamma=(2.4, 12.92),
+                use_camera_wb=True,
+                no_auto_bright=True,
+                adjust_maximum_thr=0,
             )
     except rawpy.LibRawError as error:
         reason = error.args[0].decode() if isinstance(error.args[0], bytes) else str(error)
