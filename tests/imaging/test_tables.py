@@ -82,7 +82,9 @@ def test_the_angle_is_that_of_the_plane(aslant):
     assert abs(aslant.crossings["angle"][0] - true) > np.radians(1)  # as the picture shows it
     roots = ENDS[[0, 1], ENDS[:, :, 1].argmin(axis=1)]
     far = sorted(PIXEL * np.hypot(*(_meeting() - roots).T))
-    assert sorted([table["s_a_m"][0], table["s_b_m"][0]]) == pytest.approx(far, rel=0.02)
+    more = np.subtract(sorted([table["s_a_m"][0], table["s_b_m"][0]]), far)
+    assert (more > -PIXEL).all()
+    assert (more < 6 * PIXEL).all()  # strands have round ends, of a radius of 5 px
 
 
 def _meeting() -> np.ndarray:
