@@ -56,7 +56,8 @@ def simulating(
     ------
     callable
         Waits for the runs, showing progress, and returns them by the keys of `scenes`. It raises
-        what a scene raises (sim.SceneError, sim.Unstable); finished runs stay on disk.
+        what a scene raises (sim.SceneError, sim.Unstable); finished runs stay on disk, and those
+        that were on their way go on from there the next time.
     """
     paths = {key: folder / run_name(scene) for key, scene in scenes.items()}
     missing = {paths[key]: scene for key, scene in scenes.items() if not paths[key].exists()}

@@ -287,8 +287,15 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         raise SceneError(f"{path}: not a TOML file: {error}") from None
 
 
-def load_scene(path: str | Path) -> Scene:
+def load_scene(path: str | Path, *, seed: int | None = None, snapshots: int | None = None) -> Scene:
     """Read a scene from a TOML file: a preset by name with its parameters, or a whole scene.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    seed, snapshots : int, optional
+        Take these instead of what the file says.
 
     Raises
     ------
@@ -298,10 +305,13 @@ def load_scene(path: str | Path) -> Scene:
     from sim.presets import preset_scene
 
     table = read_toml(path)
+    preset = table.pop("preset", None)
+    if seed is not None:
+        table["seed"] = seed
+    if snapshots is not None:
+        (table if preset else table.setdefault("output", {}))["snapshots"] = snapshots
     try:
-        if "preset" in table:
-            return preset_scene(table.pop("preset"), table)
-        return Scene(**table)
+        return preset_scene(preset, table) if preset else Scene(**table)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
     except ValidationError as error:

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import logging
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,22 +19,27 @@ from combing.errors import UserError
 if TYPE_CHECKING:
     from sim import Run, Scene
 
-HELP_OUTPUT = "Folder for run.nc, force.csv, link.csv, strands.csv, run.png and run.svg."
-
 
 @click.command()
 @click.argument("scene", required=False, type=click.Path(path_type=Path))
 @click.option("--preset", help="double_helix or curl, instead of a scene file.")
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="A preset's parameter.")
-@click.option("-o", "--output", type=click.Path(path_type=Path), default=Path("combing-run"),
-              show_default=True, help=HELP_OUTPUT)  # fmt: skip
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False),
+              default=Path("combing-run"), show_default=True,
+              help="Folder for all that is written.")  # fmt: skip
+@click.option("--snapshots", type=int, help="Strands recorded this many times.")
+@click.option("--seed", type=int, help="Another draw of what is random in the scene.")
+@click.option("--fresh", is_flag=True, help="Begin anew, also where an unfinished run lies.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
-@click.option("--quiet", is_flag=True, help="No progress bar and no summary.")
+@click.option("--quiet", is_flag=True, help="No progress and no summary.")
 def command(
     scene: Path | None,
     preset: str | None,
     settings: tuple[str, ...],
     output: Path,
+    snapshots: int | None,
+    seed: int | None,
+    fresh: bool,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -44,12 +53,36 @@ def command(
       combing simulate --preset double_helix --set pi1=18 --set height=0.06 -o out/
       combing simulate scene.toml -o out/
     where scene.toml holds, say:
-      preset = "double_helix"   # or "curl"
+      preset = "double_helix"
       pi1 = 18                  # pitch over filament radius
       height = 0.15             # m
       friction = 0.2            # Coulomb's mu; leave out for none
+
+    \b
+    Presets and their parameters (lengths in m, speed in m/s, E in Pa):
+      double_helix  two strands clamped at the top, combed by a tine:
+                    pi1 = P/r, pi2 = R/r, pi3 = t/r, r, height or turns,
+                    q (pitches below the tine), friction, speed, E, nu, density,
+                    elements_per_pitch, imperfection, samples_per_pitch,
+                    snapshots, seed
+      curl          n hairs that hang and relax, no tine:
+                    n, length, r, curvature, correlation, spread, friction,
+                    E, nu, density, elements, duration, snapshots, seed
+
+    \b
+    Written into the output folder:
+      run.nc        everything, with units (NetCDF: Python, MATLAB, ParaView)
+      force.csv     time, displacement, force on the tine; for combing force
+      link.csv      link density of a pair of strands at every snapshot
+      strands.csv   nodes of every strand at every snapshot
+      run.png, .svg strands, force and link density at a glance
+
+    A bar shows the time left; the first run of its kind on a machine compiles for up to a minute
+    before. Ctrl-C, a crash or a power cut cost at most 30 s of work: the same command goes on from
+    run.nc.part in the output folder.
     """
-    run = _run(_scene(scene, preset, settings), output, quiet or as_json)
+    made = _scene(scene, preset, settings, {"snapshots": snapshots, "seed": seed})
+    run = _run(made, output, quiet or as_json, fresh)
     summary = _write(run, output)
     if as_json:
         click.echo(json.dumps(summary, indent=1))
@@ -57,17 +90,25 @@ def command(
         click.echo("\n".join(f"{key}: {value}" for key, value in summary.items()))
 
 
-def _scene(path: Path | None, preset: str | None, settings: tuple[str, ...]) -> Scene:
+def _scene(
+    path: Path | None,
+    preset: str | None,
+    settings: tuple[str, ...],
+    overrides: dict[str, int | None],
+) -> Scene:
     from sim import load_scene
     from sim.presets import preset_scene
 
     if (path is None) == (preset is None):
-        raise UserError("give a scene file or --preset, one of the two")
+        raise UserError(
+            "give a scene file or --preset double_helix or --preset curl, one of the two"
+        )
     if path is None:
-        return preset_scene(str(preset), dict(_parameter(text) for text in settings))
+        given = {key: value for key, value in overrides.items() if value is not None}
+        return preset_scene(str(preset), dict(_parameter(text) for text in settings) | given)
     if settings:
         raise UserError(f"--set {settings[0]}: goes with --preset; write it into {path} instead")
-    return load_scene(path)
+    return load_scene(path, **overrides)
 
 
 def _parameter(text: str) -> tuple[str, Any]:
@@ -80,18 +121,48 @@ def _parameter(text: str) -> tuple[str, Any]:
         return key, value
 
 
-def _run(scene: Scene, output: Path, quiet: bool) -> Run:
+def _run(scene: Scene, output: Path, quiet: bool, fresh: bool) -> Run:
     from sim import simulate
 
     bar = tqdm(
-        total=100, desc=scene.title, disable=quiet, bar_format="{l_bar}{bar}| {elapsed}<{remaining}"
-    )
-    with bar:
+        total=100, desc=scene.title, disable=quiet, delay=1e-3,
+        bar_format="{l_bar}{bar}| {elapsed}<{remaining}",
+        mininterval=0.5 if sys.stderr.isatty() else 30.0,  # a log file needs few lines
+    )  # fmt: skip
 
-        def progress(done: float) -> None:
-            bar.update(100 * done - bar.n)
+    def progress(done: float) -> None:
+        if bar.n == 0:  # compiling, or an earlier part of this run, tells nothing of the time left
+            bar.reset()
+            bar.initial = 100 * done
+        bar.update(100 * done - bar.n)
 
-        return simulate(scene, output / "run.nc", progress=progress)
+    with _spoken(quiet), bar:
+        try:
+            return simulate(scene, output / "run.nc", progress=progress, resume=not fresh)
+        except KeyboardInterrupt:
+            bar.close()
+            click.echo(f"stopped; {_how_to_go_on(output)}", err=True)
+            raise
+
+
+def _how_to_go_on(output: Path) -> str:
+    if not (output / "run.nc.part" / "checkpoint.npz").exists():
+        return "there is no checkpoint yet, the same command begins anew"
+    return f"the same command goes on from {output / 'run.nc.part'}, --fresh begins anew"
+
+
+@contextmanager
+def _spoken(quiet: bool) -> Iterator[None]:
+    """Print what the solver says of its own accord on standard error."""
+    log, handler = logging.getLogger("sim"), logging.StreamHandler()
+    before = log.level
+    log.setLevel(logging.WARNING if quiet else logging.INFO)
+    log.addHandler(handler)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(before)
 
 
 def _write(run: Run, output: Path) -> dict[str, Any]:
