@@ -76,8 +76,9 @@ def contact(scene: Scene, state: State) -> contact_kernel.Contact | None:
     radii = [rod.radius for rod in scene.rods]
     rod = state.rod_of_element()
     arc = np.concatenate([[0.0], np.cumsum(state.row("LENGTH"))[:-1]])
-    # Along a strand bent to its own diameter, contact begins half a turn away.
-    gap = math.pi * 2 * max(radii) if scene.contact.self_contact else math.inf
+    # Along a strand bent as tightly as it can be, round its own radius, contact begins half a turn
+    # away. With a longer gap the end loops of plectonemes slip through themselves.
+    gap = math.pi * max(radii) if scene.contact.self_contact else math.inf
     state.row("OVERHANG")[:] = _overhang(state, 2 * max(radii))
     return contact_kernel.Contact(
         line_stiffness,
