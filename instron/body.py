@@ -15,9 +15,9 @@ import pandas as pd
 
 from instron.errors import Unreadable
 from instron.layout import Header, find_header, is_row, split_cells
-from instron.marks import marks_of
+from instron.marks import QUOTE, marks_of
 from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
-from instron.source import NEWLINE, Source, refuse_lone_returns
+from instron.source import CHUNK, NEWLINE, RETURN, Source, refuse_lone_returns
 
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
 
@@ -66,7 +66,7 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     torn = header.first_unnamed() in table and table[header.first_unnamed()].notna().any()
     if torn or (gaps and len(header.specimens) == 1):
         return None
-    if not _rows_are_lines(source, start, len(table)):
+    if not _quotes_are_whole(source, start, len(table), delimiter):
         return None
     if not _first_row_agrees(source, header, delimiter, marks[0], values):
         return None
@@ -125,12 +125,24 @@ def _decimals(cell: str) -> int:
     return len(re.sub(r"^[^.,]*[.,]?", "", cell))
 
 
-def _rows_are_lines(source: Source, start: int, rows: int) -> bool:
-    """Return False if a line break inside quotes may have joined two lines."""
+def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> bool:
+    """Return False if a quote stands within a cell, or a line break within quotes.
+
+    Of ``"773.98"5.00"`` the C reader makes 773.985, and of two lines one.
+    """
     if source.data.find(b'"', start) < 0:
         return True
-    breaks = sum(np.count_nonzero(piece == NEWLINE) for _, piece in source.chunks(start))
-    return rows == breaks + (not source.ends_in_newline())
+    breaks = 0
+    for _, piece in source.chunks(max(start - 1, 0), overlap=2):
+        ends = piece == NEWLINE
+        breaks += np.count_nonzero(ends[1 : CHUNK + 1])
+        edges = ends | (piece == ord({"spaces": " "}.get(delimiter, delimiter)))
+        closed = edges[2:] | (piece[2:] == RETURN)
+        if ((piece[1:-1] == QUOTE) & ~(edges[:-2] | closed)).any():
+            return False
+    tail = source.data[-1000:]
+    blank = max(tail[len(tail.rstrip(b"\r\n")) :].count(b"\n") - 1, 0)
+    return rows == breaks - blank + (not source.ends_in_newline())
 
 
 def _first_row_agrees(

@@ -85,6 +85,14 @@ REFUSED = {
         "line 12: '1,539,375' alone has no decimals",
     ),
     "points that may group": (TAB + "1\t2\t998\n2\t3\t1.002\n", "'1.002' could be a decimal"),
+    "quote within a number": (
+        HEAD + '"0.1","0.2","0.3"\n"0.2","0.3","773.98"5.00"\n"0.3","0.3","0.4"\n',
+        "line 4: a quote is not closed",
+    ),
+    "quotes within a number": (
+        HEAD + '"0.1","0.2","0.3"\n"0.2","0.3","773.98"5""\n"0.3","0.3","0.4"\n',
+        "line 4",
+    ),
     "lone return within a number": (
         HEAD.replace("\n", "\r\n") + "0.1,0.2,4.8\r\n0.2,0.3,4\r.8\r\n0.3,0.4,4.8\r\n",
         "line 4: a carriage return within the line",
