@@ -1,7 +1,8 @@
 """What is refused or flagged in numbers that were read without error."""
 
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -13,7 +14,10 @@ from instron.words import unit_of
 
 FILL_VALUES = (-999999.0, -1e6, -1e9)
 HUGE = 9e36
+POUND, KILOGRAM = 4.4482216, 9.80665  # N
 SLOW = 0.05e-3 / 60  # m/s: slower than any combing or tensile test
+SLOW_AND_SPARSE = 1e-3 / 60  # m/s: seldom sampled at less than once in 2 s
+RATE = re.compile(r"(\d+(?:\.\d+)?)\s*(mm/min|mm/s)\b")
 
 
 def refuse_fill_values(where: str, quantity: str, values: np.ndarray, lines: Sequence[int]) -> None:
@@ -54,19 +58,32 @@ def drop_jump_back(where: str, table: pd.DataFrame, lines: Sequence[int]) -> tup
     return len(time), [f"line {lines[back[0] + 1] + 1}: time steps back by less than one sample"]
 
 
-def milliseconds(table: pd.DataFrame) -> list[str]:
-    """Flag times that only make sense as milliseconds under a header that says seconds."""
+def milliseconds(table: pd.DataFrame, metadata: Mapping[str, str]) -> list[str]:
+    """Flag times that only make sense as milliseconds under a header that says seconds.
+
+    Either the crosshead would be a thousand times slower than the speed the file states, or the
+    times are whole numbers and it would be slower than any test.
+    """
     time, travel = table["time"].to_numpy(), table["displacement"].to_numpy()
     duration = time[-1] - time[0]
     if len(time) < 10 or not duration >= len(time) - 1:
         return []
     speed = np.ptp(travel) / duration
-    if 0 < speed < SLOW and np.array_equal(time, np.round(time)):
+    slow = SLOW_AND_SPARSE if np.median(np.diff(time)) >= 2 else SLOW
+    whole = np.array_equal(time, np.round(time)) and 0 < speed < slow
+    if whole or any(300 < ratio < 3000 for ratio in _ratios(metadata, speed)):
         return [
-            f"time may be in ms although the header says s: whole numbers, {duration:g} s long,"
-            f" crosshead at {speed * 6e4:.2g} mm/min"
+            f"time may be in ms although the header says s: {duration:g} s long, crosshead at"
+            f" {speed * 6e4:.2g} mm/min"
         ]
     return []
+
+
+def _ratios(metadata: Mapping[str, str], speed: float) -> list[float]:
+    """Return how many times faster than ``speed`` [m/s] the speeds in the metadata are."""
+    found = [RATE.search(value) for value in metadata.values()]
+    per = {"mm/min": 1e-3 / 60, "mm/s": 1e-3}
+    return [float(m[1]) * per[m[2]] / speed for m in found if m and speed > 0]
 
 
 def against_stated(
@@ -74,26 +91,34 @@ def against_stated(
 ) -> list[list[str]]:
     """Compare each table's peak with the maximum load its file states.
 
-    A ratio of a power of ten is a decimal or unit misread and is refused; another difference is
-    flagged (the machine may have measured the maximum between two exported rows).
+    A ratio of a power of ten, or of pounds or kilograms to newtons besides, is a decimal or unit
+    misread and is refused; another difference is flagged (the machine may have measured the
+    maximum between two exported rows, or stated that of another specimen).
     """
     notes: list[list[str]] = [[] for _ in tables]
     usable = [(s, _newtons(s, written)) for s in stated]
     values = [(s, v) for s, v in usable if v]
     for number, table in enumerate(tables if values else []):
-        peaks = [abs(table["force"].max()), abs(table["force"].min())]
+        peaks = [peak for peak in (table["force"].max(), -table["force"].min()) if peak > 0]
         matched = values[number : number + 1] if len(values) == len(tables) else values
-        gaps = [min(abs(math.log(p / abs(v))) if p else math.inf for p in peaks)
-                for _, v in matched]  # fmt: skip
+        gaps = [min(abs(math.log(p / abs(v))) for p in peaks) for _, v in matched if peaks]
         if not gaps or min(gaps) < 0.005:
             continue
         claim, value = matched[int(np.argmin(gaps))]
-        tens = min(gaps) / math.log(10)
         text = f"line {claim.line + 1} states a maximum of {value:g} N, the rows reach"
-        if round(tens) and abs(tens - round(tens)) < 0.003:
-            raise Unreadable(f"{where}: {text} {max(peaks):g} N: a power of ten apart")
+        if any(_is_slip(abs(math.log(p / abs(value)))) for p in peaks):
+            raise Unreadable(
+                f"{where}: {text} {max(peaks):g} N: a power of ten or a unit of force apart"
+            )
         notes[number].append(f"{text} {max(peaks):g} N")
     return notes
+
+
+def _is_slip(gap: float) -> bool:
+    """Tell whether the logarithm of a ratio is that of units or decimals taken for others."""
+    units = (1.0, POUND, KILOGRAM, KILOGRAM / POUND)
+    tens = [(gap + sign * math.log(unit)) / math.log(10) for unit in units for sign in (1, -1)]
+    return any(abs(t - round(t)) < 0.003 for t in tens)
 
 
 def _newtons(claim: StatedMaximum, written: str | None) -> float | None:

@@ -5,11 +5,15 @@ from dataclasses import dataclass
 
 from instron.layout import Header, split_cells
 from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
-from instron.words import plain, split_unit, unit_of
+from instron.words import plain, split_unit, unit_of, word_set
 
-MAXIMUM = re.compile(r"\b(max|maximum|maximale?|maxima|peak|hochst\w*|fmax|ultimate)\b")
-LOAD = re.compile(r"\b(load|force|kraft|last|carga|charge|forza|fmax)\b")
-ELSEWHERE = re.compile(r"\b(at|bei|a|en|per|of|extension|strain|stress|displacement|time|zeit)\b")
+MAXIMUM = word_set(
+    "max maximum maximal maximale maxima maximo peak hochst ultimate massimo fmax hochstkraft"
+    " maximalkraft"
+)
+LOAD = word_set("load force kraft last carga charge forza carico fmax hochstkraft maximalkraft")
+# What may stand beside those two without making it another quantity or another place.
+BESIDE = word_set("tensile compressive compression flexure flexural standard test value the of")
 _WORDS = re.compile(r"[^\W\d_]{3}")
 LABEL = re.compile(r"specimen (label|name|id)|sample (name|id|label)|^specimen$|^sample$|probe\b")
 
@@ -69,7 +73,7 @@ def stated_maxima(lines: list[str], delimiter: str) -> list[StatedMaximum]:
     """Return every maximum load stated in these lines, in key-value or table form."""
     found = []
     for number, line in enumerate(lines):
-        if not _WORDS.search(line) or not MAXIMUM.search(plain(line)):
+        if not _WORDS.search(line):
             continue
         cells = split_cells(line, delimiter)
         for index, cell in enumerate(cells):
@@ -79,8 +83,12 @@ def stated_maxima(lines: list[str], delimiter: str) -> list[StatedMaximum]:
 
 
 def _is_maximum_load(cell: str) -> bool:
-    name = plain(split_unit(cell)[0])
-    return bool(MAXIMUM.search(name) and LOAD.search(name) and not ELSEWHERE.search(name))
+    """Tell whether the cell names a maximum load, and not what was reached there.
+
+    Of ``Maximum Load : Extension at Maximum Load`` the last part counts, and every word of it.
+    """
+    words = set(plain(split_unit(cell.rpartition(" : ")[2])[0]).split())
+    return bool(words & MAXIMUM and words & LOAD) and words <= MAXIMUM | LOAD | BESIDE
 
 
 def _beside(cells: list[str], index: int, number: int) -> list[StatedMaximum]:

@@ -1,5 +1,6 @@
 """Read the export of a testing machine into force logs: exactly, or not at all."""
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ from instron.source import HEAD_BYTES, Source, open_source
 from instron.units import factor
 from instron.words import QUANTITIES, VOLTS, quantity_of, split_unit, unit_of
 
+CLOCK = re.compile(r"\s*\"?\d+:\d\d")
 USUAL_UNITS = {"time": "s", "displacement": "mm", "force": "N"}
 
 
@@ -124,6 +126,10 @@ def _why_no_header(lines: list[str]) -> str:
             missing = [q for q in ("displacement", "force") if q not in found]
             if missing:
                 return f"line {number}: no {' and no '.join(missing)} column in '{line[:60]}'"
+            if any(
+                CLOCK.match(cell) for x in lines[number : number + 3] for cell in x.split(delimiter)
+            ):
+                return f"line {number}: times written as hh:mm:ss; export the time in seconds"
             return f"line {number}: a header, but no row of numbers follows it"
     return (
         "no header that names displacement and force; for a bare table say what its columns are:"
@@ -161,8 +167,9 @@ def _table(
     table = pd.DataFrame(columns, copy=False)
     kept, found = drop_jump_back(where, table, lines)
     table = table.iloc[:kept] if kept < len(table) else table
-    notes += found + milliseconds(table)
-    table.attrs = _provenance(source, body, number, delimiter, written) | {"warnings": notes}
+    table.attrs = _provenance(source, body, number, delimiter, written)
+    notes += found + milliseconds(table, table.attrs["metadata"])
+    table.attrs["warnings"] = notes
     table.attrs["lost_rows"] = sum("row lost" in note for note in notes)
     return table
 

@@ -17,17 +17,18 @@ QUANTITIES = ("time", "displacement", "force")
 remembered = lru_cache(maxsize=4096)
 
 
-def _set(words: str) -> set[str]:
+def word_set(words: str) -> set[str]:
+    """Return the words of a string as a set."""
     return set(words.split())
 
 
 # Without accents, as plain() leaves them.
 WORDS = {
-    "time": _set(
+    "time": word_set(
         "time zeit prufzeit testzeit laufzeit messzeit temps tiempo tempo czas godzina tid tijd"
         " aika cas ido zaman sure elapsed время"
     ),
-    "displacement": _set(
+    "displacement": word_set(
         "extension extn ext crosshead displacement disp displ position traverse stroke travel lvdt"
         " elongation course weg standardweg traversenweg verfahrweg maschinenweg kolbenweg"
         " verschiebung langenanderung durchbiegung deplacement allongement fleche desplazamiento"
@@ -36,7 +37,7 @@ WORDS = {
         " elmozdulas megnyulas uzama deplasman forskjutning forlangning verplaatsing verlenging"
         " deflection stretch verlangerung separation перемещение удлинение прогиб ход"
     ),
-    "force": _set(
+    "force": word_set(
         "load force kraft standardkraft prufkraft zugkraft druckkraft last belastung charge effort"
         " carga fuerza forca forza carico sila obciazenie kracht belasting belastning zatizeni ero"
         " terheles kuvvet yuk loadcell сила нагрузка усилие"
@@ -45,8 +46,8 @@ WORDS = {
 
 # Words whose letters tell a code page from cp1252, in which Windows writes otherwise.
 TELLING = {
-    "cp1251": _set("время перемещение удлинение прогиб ход сила нагрузка усилие"),
-    "cp1250": _set(
+    "cp1251": word_set("время перемещение удлинение прогиб ход сила нагрузка усилие"),
+    "cp1250": word_set(
         "wydłużenie obciążenie siła odkształcenie naprężenie ugięcie čas prodloužení zatížení"
         " idő erő terhelés megnyúlás elmozdulás"
     ),
@@ -65,7 +66,7 @@ PIECES = {
 SYMBOLS = {"time": {"t"}, "displacement": {"x", "d", "s", "u", "dl", "z"}, "force": {"f", "p"}}
 
 # A cell with one of these is a result or another channel, whatever else it says.
-OTHER_THINGS = _set(
+OTHER_THINGS = word_set(
     "rate strain stress speed velocity geschwindigkeit vitesse velocidad max maximum min minimum"
     " maxima maximale maximal peak break bruch rupture rotura at bei yield modulus energy energie"
     " energia work arbeit count number cycle cycles cycling strength percent percentage true slope"
@@ -92,22 +93,22 @@ OTHER_PIECES = (
     "최대",
 )
 
-CROSSHEAD = _set(
+CROSSHEAD = word_set(
     "machine crosshead traverse traversenweg standardweg stroke course actuator maschinenweg"
     " kolbenweg querhaupt"
 )
-ABSOLUTE = _set("absolute absolu absolue absolut abs position pos raw absoluta")
-GAUGE = _set(
+ABSOLUTE = word_set("absolute absolu absolue absolut abs position pos raw absoluta")
+GAUGE = word_set(
     "extensometer strain gauge gage video dic ave laser optical wegaufnehmer feindehnung"
     " extensometre extensometro le capteur sensor aufnehmer taster"
 )
 # Read as displacement only when the unit is a length and no better column exists.
-LENGTHENING = _set(
+LENGTHENING = word_set(
     "dehnung verformung deformation deformacion deformazione deformacao extensometer strain"
     " compression"
     " extensometre extensometro wegaufnehmer"
 )
-SECONDARY = _set("step segment corrected compensated korrigiert secondary aux auxiliary")
+SECONDARY = word_set("step segment corrected compensated korrigiert secondary aux auxiliary")
 
 UNITS = {
     "time": {
@@ -152,7 +153,7 @@ _UNIT_OF = {
     for word in words.split()
 }
 
-OTHER_UNITS = _set(
+OTHER_UNITS = word_set(
     "% mpa gpa kpa pa psi ksi msi mm/mm in/in n/mm n/mm² n/mm2 n/mm^2 kn/mm² n/m n/tex cn/tex"
     " g/den gf/den j mj kj nm n·m n.m v mv volt volts deg degree degrees ° °c c °f k hz mm/min"
     " mm/s in/min mm² mm2 mm^2 cycles cycle count strain mm/mm% m/m cel s-1 1/s %/min mv/v"

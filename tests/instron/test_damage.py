@@ -103,6 +103,14 @@ REFUSED = {
         "line 4: a carriage return",
     ),
     "header only": (HEAD, "no row of numbers"),
+    "times of the clock": (
+        "Time,Extension,Load\n(s),(mm),(N)\n00:00:00.1,0.1,0.2\n00:00:00.2,0.2,0.3\n",
+        "line 1: times written as hh:mm:ss",
+    ),
+    "stated maximum a unit off": (
+        "Maximum load,161.25,N\n\n" + HEAD.replace("(N)", "(lbf)") + "\n".join(body()) + "\n",
+        "states a maximum of .* N, the rows reach 717.276 N: a power of ten or a unit",
+    ),
     "stated maximum ten times off": (
         "Maximum load,1612.5,N\n\n" + HEAD + "\n".join(body()) + "\n",
         "states a maximum of 1612.5 N.*power of ten",
@@ -154,6 +162,14 @@ def test_milliseconds_under_a_header_of_seconds_are_flagged(tmp_path):
     assert "may be in ms" in log.attrs["warnings"][0]
 
 
+def test_milliseconds_are_known_by_the_speed_that_the_file_states(tmp_path):
+    rows = "\n".join(f"{20.5 * i},{i * 0.01:.3f},{i}" for i in range(50))
+    for rate, flagged in (("30.0", True), ("0.03", False)):
+        text = f"Test : Rate 1,{rate},mm/min\n\n{HEAD}{rows}\n"
+        notes = read(tmp_path, text)[0].attrs["warnings"]
+        assert any("may be in ms" in note for note in notes) == flagged
+
+
 def test_units_that_nobody_stated_are_flagged(tmp_path):
     text = "Time,Extension,Load\n" + "\n".join(body())
     log = read(tmp_path, text)[0]
@@ -176,9 +192,27 @@ def test_a_maximum_that_the_rows_do_not_reach_is_flagged(tmp_path):
     assert "states a maximum of 999.86 N" in log.attrs["warnings"][0]
 
 
-def test_extension_at_maximum_load_is_no_maximum_load(tmp_path):
-    text = "Extension at Maximum Load (mm),Tensile stress at Maximum Load (MPa)\n1.0,2.0\n\n"
+@pytest.mark.parametrize("text", [
+    "Extension at Maximum Load (mm),Tensile stress at Maximum Load (MPa)\n1.0,2.0\n\n",
+    "Maximum Load : Energy at Maximum Load,1.5,J\nMaximum Load : Data point at Maximum Load,9,\n",
+    "Maximum Load : Extension at Maximum Load,16.1250,mm\nLoad cell maximum,2000,N\n",
+    "M\u00e1ximo Carga : TiempoalM\u00e1ximo Carga,3789.0,s\n",
+])  # fmt: skip
+def test_what_was_reached_at_maximum_load_is_no_maximum_load(text, tmp_path):
     assert read(tmp_path, text + HEAD + "\n".join(body()) + "\n")[0].attrs["warnings"] == []
+
+
+@pytest.mark.parametrize("text", [
+    "Maximum Load : Maximum Load,161.25,N\n", "M\u00e1ximo Carga : M\u00e1ximo Carga,161.25,N\n",
+    "Maximum Compressive load [N],161.25\n", "H\u00f6chstkraft,161.25,N\n",
+    "Force maximale (N),161.25\n",
+])  # fmt: skip
+def test_a_maximum_load_is_found_and_checked(text, tmp_path):
+    log = read(tmp_path, text + "\n" + HEAD + "\n".join(body()) + "\n")[0]
+    assert log.attrs["stated"] == {"maximum load": "161.25 N"}
+    assert log.attrs["warnings"] == []
+    with pytest.raises(instron.Unreadable, match="power of ten"):
+        read(tmp_path, text.replace("161.25", "1.6125") + HEAD + "\n".join(body()) + "\n")
 
 
 def test_a_table_without_header_is_read_when_told(tmp_path):
