@@ -14,6 +14,7 @@ COMMANDS = {
     "force": "combing.commands.force",
     "simulate": "combing.commands.simulate",
     "compare": "combing.commands.compare",
+    "accuracy": "combing.commands.accuracy",
     "demo": "combing.commands.demo",
     "virtual-lab": "combing.commands.virtual_lab",
 }

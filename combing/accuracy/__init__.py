@@ -1,0 +1,1 @@
+"""What accuracy costs: three problems solved again and again with one knob turned at a time."""

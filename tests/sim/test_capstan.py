@@ -1,0 +1,32 @@
+"""A strand pulled over a fixed tine with friction: T2/T1 = exp(mu phi)."""
+
+import math
+
+import pytest
+
+from combing.accuracy.capstan import Capstan
+
+ANGLES = (0.5, 1.0, 2.0)  # in half turns
+
+
+def test_capstan_of_half_a_turn():
+    assert Capstan(friction=0.3, wrap=math.pi).measure().quantity == pytest.approx(
+        math.exp(0.3 * math.pi), rel=0.02
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.1, 0.3])
+@pytest.mark.parametrize("half_turns", ANGLES)
+def test_capstan(mu, half_turns):
+    phi = half_turns * math.pi
+    found = Capstan(friction=mu, wrap=phi).measure()
+    assert found.quantity == pytest.approx(math.exp(mu * phi), rel=0.02)
+    # With the radius, bending and drag of the strand in the closed form, twenty times closer.
+    assert found.quantity == pytest.approx(found.closed_form, rel=0.001)
+
+
+@pytest.mark.slow
+def test_without_friction_the_tension_is_the_same_on_both_sides():
+    found = Capstan(friction=0.0)
+    assert found.measure().quantity == pytest.approx(1.0, abs=0.01)
