@@ -135,7 +135,7 @@ def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> 
     breaks = 0
     for _, piece in source.chunks(max(start - 1, 0), overlap=2):
         ends = piece == NEWLINE
-        breaks += np.count_nonzero(ends[1 : CHUNK + 1])
+        breaks += int(np.count_nonzero(ends[1 : CHUNK + 1]))
         edges = ends | (piece == ord({"spaces": " "}.get(delimiter, delimiter)))
         closed = edges[2:] | (piece[2:] == RETURN)
         if ((piece[1:-1] == QUOTE) & ~(edges[:-2] | closed)).any():

@@ -6,6 +6,7 @@ be told the marks. Where they do, the answer here is None and every cell is judg
 
 import re
 from collections.abc import Iterator
+from mmap import mmap
 
 import numpy as np
 
@@ -25,7 +26,7 @@ _ONLY_DECIMAL = {
 }  # fmt: skip
 
 
-def marks_of(data: bytes, start: int, delimiter: str) -> tuple[str, str | None] | None:
+def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str | None] | None:
     """Return decimal and thousands mark (None if nothing is grouped), or None in any doubt.
 
     A mark groups thousands only where every single one of it stands in a regular number such as
@@ -54,7 +55,7 @@ def marks_of(data: bytes, start: int, delimiter: str) -> tuple[str, str | None] 
     return None
 
 
-def _between_commas(data: bytes, start: int, point: bool) -> tuple[str, str | None] | None:
+def _between_commas(data: mmap | bytes, start: int, point: bool) -> tuple[str, str | None] | None:
     """Return the marks where commas divide the cells and may stand in quotes as well."""
     text = np.frombuffer(data, dtype=np.uint8)
     for inner in (_not_after_quotes, _within_quotes):

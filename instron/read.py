@@ -69,6 +69,7 @@ def read(
         When there is no such file.
     """
     path = Path(path)
+    _refuse_unknown_units(path, units or {})
     source = open_source(path)
     delimiter, header = _find(source, columns)
     bodies = _logs_only(read_bodies(source, header, delimiter))
@@ -81,6 +82,13 @@ def read(
     ]
     _check_together(source, tables, stated)
     return tables
+
+
+def _refuse_unknown_units(path: Path, told: Mapping[str, str]) -> None:
+    for quantity, text in told.items():
+        known = unit_of(text)
+        if quantity not in QUANTITIES or known is None or known[0] != quantity:
+            raise Unreadable(f"{path}: told that {quantity} is in '{text}': no unit of {quantity}")
 
 
 def _find(source: Source, columns: Sequence[str] | None) -> tuple[str, Header]:

@@ -147,10 +147,13 @@ def _newline(start: bytes) -> str:
 
 
 def _mapped(path: Path) -> mmap.mmap | bytes:
-    with path.open("rb") as file:
-        if path.stat().st_size == 0:
-            raise Unreadable(f"{path}: the file is empty")
-        return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+    try:
+        with path.open("rb") as file:
+            if path.stat().st_size == 0:
+                raise Unreadable(f"{path}: the file is empty")
+            return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+    except (PermissionError, IsADirectoryError) as error:
+        raise Unreadable(f"{path}: {error.strerror}") from None
 
 
 def _utf16(start: bytes) -> str | None:

@@ -213,8 +213,7 @@ def _write(
     """Write all results into a temporary folder first, so that none stays half-written."""
     if output.exists() and not output.is_dir():
         raise UserError(f"{output}: is a file; -o wants a folder")
-    output.parent.mkdir(parents=True, exist_ok=True)
-    room = Path(tempfile.mkdtemp(prefix=".force-", dir=output.parent))
+    room = _room_beside(output)
     try:
         _write_tables(room, curves, result, theory)
         draw(curves, result, theory, room / "force")
@@ -224,6 +223,14 @@ def _write(
             path.replace(output / path.name)
     finally:
         shutil.rmtree(room, ignore_errors=True)
+
+
+def _room_beside(output: Path) -> Path:
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        return Path(tempfile.mkdtemp(prefix=".force-", dir=output.parent))
+    except OSError as error:
+        raise UserError(f"{output}: cannot be written: {error.strerror}") from None
 
 
 def _write_tables(

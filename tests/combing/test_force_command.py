@@ -88,6 +88,8 @@ def test_explain_says_what_was_understood(bench, capsys):
         (("runs/0.csv", "--rig", "rig.toml", "--active-length", "-1"), "must be positive"),
         (("hollow", "--rig", "rig.toml"), "hollow: no exports"),
         (("runs/0.csv", "--rig", "rig.toml", "-o", "rig.toml"), "rig.toml: is a file"),
+        (("runs/0.csv", "--rig", "rig.toml", "-o", "/proc/out"), "/proc/out: cannot be written"),
+        (("runs/0.csv", "--rig", "rig.toml", "--units", "force=stone"), "'stone'"),
     ],
 )
 def test_a_users_mistake_is_one_line_and_exit_code_2(bench, capsys, arguments, reason):

@@ -179,6 +179,17 @@ def test_units_that_nobody_stated_are_flagged(tmp_path):
     assert told["displacement"].iloc[1] == pytest.approx(0.05 * 0.0254)
 
 
+def test_a_unit_told_that_is_none_is_refused(tmp_path):
+    for units in ({"force": "zorg"}, {"force": "mm"}, {"weight": "N"}):
+        with pytest.raises(instron.Unreadable, match="told that .* no unit of"):
+            read(tmp_path, HEAD + "\n".join(body()), units=units)
+
+
+def test_a_folder_is_no_export(tmp_path):
+    with pytest.raises(instron.Unreadable, match="directory"):
+        instron.read(tmp_path)
+
+
 def test_specimens_in_different_units_are_flagged(tmp_path):
     one = HEAD + "\n".join(body()) + "\n\n"
     logs = read(tmp_path, one + one.replace("(N)", "(kN)"))
