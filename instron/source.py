@@ -19,7 +19,7 @@ HEAD_BYTES = 1 << 16
 CHUNK = 1 << 18  # fits a core's cache
 FOREIGN = {"CR": b"\r", "CRCRLF": b"\r\r\n"}  # line ends that are rewritten
 RETURN, NEWLINE = b"\r\n"
-ENCODINGS = ("gb18030", "shift_jis", "big5", "cp949", "cp1251", "cp1250")
+ENCODINGS = ("gb18030", "shift_jis", "big5", "cp949", "cp1251", "cp1250", "cp850", "mac_roman")
 
 
 @dataclass(frozen=True)
@@ -160,8 +160,9 @@ def _utf16(start: bytes) -> str | None:
     if start.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
     sample = start[:1000]
-    if len(sample) >= 20 and sample[1::2].count(0) > 0.4 * len(sample):
-        return "utf-16-le"
+    for encoding, high in (("utf-16-le", sample[1::2]), ("utf-16-be", sample[::2])):
+        if len(sample) >= 20 and high.count(0) > 0.4 * len(sample):
+            return encoding
     return None
 
 

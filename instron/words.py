@@ -29,8 +29,8 @@ WORDS = {
         " aika cas ido zaman sure elapsed время"
     ),
     "displacement": word_set(
-        "extension extn ext crosshead displacement disp displ position traverse stroke travel lvdt"
-        " elongation course weg standardweg traversenweg verfahrweg maschinenweg kolbenweg"
+        "extension extn ext crosshead displacement disp displ position pos traverse stroke travel"
+        " lvdt elongation course weg standardweg traversenweg verfahrweg maschinenweg kolbenweg"
         " verschiebung langenanderung durchbiegung deplacement allongement fleche desplazamiento"
         " alargamiento elongacion extensao deslocamento alongamento spostamento corsa allungamento"
         " estensione przemieszczenie wydluzenie droga ugiecie prodlouzeni posunuti posuv"
@@ -44,6 +44,10 @@ WORDS = {
     ),
 }
 
+ACCENTED = word_set(
+    "prüfzeit prüfkraft längenänderung verlängerung déplacement extensión extensão prüfer"
+    " opérateur éprouvette"
+)
 # Words whose letters tell a code page from cp1252, in which Windows writes otherwise.
 TELLING = {
     "cp1251": word_set("время перемещение удлинение прогиб ход сила нагрузка усилие"),
@@ -51,6 +55,8 @@ TELLING = {
         "wydłużenie obciążenie siła odkształcenie naprężenie ugięcie čas prodloužení zatížení"
         " idő erő terhelés megnyúlás elmozdulás"
     ),
+    "cp850": ACCENTED,
+    "mac_roman": ACCENTED,
 }
 
 # Inside the cell, longest first: 試験力 is a force although it holds 試験 (test).
