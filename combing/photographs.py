@@ -2,13 +2,19 @@
 
 import glob
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
+
+import pandas as pd
 
 import imaging
-from combing.errors import UserError
+from combing.errors import UserError, is_users_fault
 from imaging.decode import SUFFIXES
 from imaging.scale import from_marker
+
+T = TypeVar("T")
 
 
 def find_photographs(names: Sequence[str]) -> list[Path]:
@@ -49,6 +55,53 @@ def _by_number(path: Path) -> list[tuple[int, str]]:
     """Key under which frame_2 sorts before frame_10."""
     parts = re.split(r"(\d+)", path.name.casefold())
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A photograph that cannot be measured, and why."""
+
+    photo: Path
+    reason: str
+
+
+def tried(measure: Callable[..., T], path: Path, *arguments: object) -> T | Refused:
+    """Measure a photograph; one that cannot be measured does not stop a study of many."""
+    try:
+        return measure(path, *arguments)
+    except Exception as error:
+        if not is_users_fault(error):
+            raise
+        return Refused(path, str(error))
+
+
+def measured_only(
+    name: str, found: Sequence[pd.DataFrame | Refused]
+) -> tuple[list[int], list[pd.DataFrame], list[str]]:
+    """Part what was measured in a set of photographs from what was refused.
+
+    Returns
+    -------
+    places : list of int
+        Where in `found` the measured ones stand.
+    measured : list of DataFrame
+    notes : list of str
+        Which photographs were left out, and why.
+
+    Raises
+    ------
+    UserError
+        When there are photographs and none of them could be measured.
+    """
+    notes = [
+        f"{name}, {one.photo.stem}: left out, {one.reason}"
+        for one in found
+        if isinstance(one, Refused)
+    ]
+    places = [i for i, one in enumerate(found) if not isinstance(one, Refused)]
+    if found and not places:
+        raise UserError(f"none of the photographs could be measured: {notes[0]}")
+    return places, [one for one in found if not isinstance(one, Refused)], notes
 
 
 def read_to_scale(

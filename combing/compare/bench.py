@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pandas as pd
 from tqdm import tqdm
@@ -18,6 +18,7 @@ from combing.compare.force import compare_force, measure_force
 from combing.compare.link import compare_link, measure_link
 from combing.compare.pages import write_pages
 from combing.errors import UserError
+from combing.photographs import Refused, tried
 from combing.runs import simulating
 from combing.study import Study
 
@@ -76,9 +77,9 @@ class _Measured:
     """What was measured of the experiment, in the order of the study."""
 
     force: list[list[pd.DataFrame]]
-    before: list[pd.DataFrame | None]
-    link: list[list[pd.DataFrame]]
-    curl: list[list[pd.DataFrame]]
+    before: list[pd.DataFrame | Refused | None]
+    link: list[list[pd.DataFrame | Refused]]
+    curl: list[list[pd.DataFrame | Refused]]
 
 
 def _measure(study: Study, quiet: bool) -> _Measured:
@@ -87,8 +88,8 @@ def _measure(study: Study, quiet: bool) -> _Measured:
     photos += sum(len(one.photos) for one in study.curl)
     with tqdm(total=photos, desc="measuring photographs", disable=quiet or not photos) as bar:
 
-        def counted(function: Callable[..., T], *arguments: object) -> T:
-            result = function(*arguments)
+        def counted(function: Callable[..., T], *arguments: Any) -> T | Refused:
+            result = tried(function, *arguments)
             bar.update()
             return result
 

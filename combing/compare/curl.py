@@ -9,7 +9,7 @@ import pandas as pd
 import imaging
 import sim
 from combing.compare.comparison import Comparison, error_row, says_synthetic
-from combing.photographs import read_to_scale
+from combing.photographs import Refused, measured_only, read_to_scale
 from combing.study import CurlSet
 from combing.tables import read_table
 
@@ -56,7 +56,10 @@ def project_curl(run: sim.Run) -> list[np.ndarray]:
 
 
 def compare_curl(
-    chosen: CurlSet, photographed: list[pd.DataFrame], runs: Mapping[Path, sim.Run], n_sec: int
+    chosen: CurlSet,
+    photographed: Sequence[pd.DataFrame | Refused],
+    runs: Mapping[Path, sim.Run],
+    n_sec: int,
 ) -> Comparison:
     """Compare the densities of photographed curls with those of simulated ones.
 
@@ -64,30 +67,31 @@ def compare_curl(
     ----------
     chosen : CurlSet
         From the study.
-    photographed : list of DataFrame
+    photographed : list of DataFrame or Refused
         From `measure_curl`, in the order of ``chosen.photos``.
     runs : mapping
         Finished runs by the path that names them in the study.
     n_sec : int
         Sections each curl is cut into.
     """
+    _, measured, notes = measured_only(chosen.name, photographed)
     simulated = []
     for path in chosen.simulations or []:
         found = count_interactions(project_curl(runs[path]), 1.0, n_sec)
         found.attrs |= {"sample": path.stem}
         simulated.append(found)
-    parts = [_densities(chosen.name, "experiment", found) for found in photographed]
+    parts = [_densities(chosen.name, "experiment", found) for found in measured]
     parts += [_densities(chosen.name, "simulation", found) for found in simulated]
     plotted = _without_empty(pd.concat(parts, ignore_index=True))
     return Comparison(
         plotted=plotted,
         numbers=[
-            ("Curls", _curls(chosen.name, photographed, simulated)),
+            ("Curls", _curls(chosen.name, measured, simulated)),
             ("Mean density of N-body interactions (1/m)", _means(plotted)),
         ],
-        errors=_errors(chosen, photographed),
-        notes=_wrong_counts(chosen, photographed),
-        synthetic=any(found.attrs["synthetic"] for found in photographed),
+        errors=_errors(chosen, measured),
+        notes=notes + _wrong_counts(chosen, measured),
+        synthetic=any(found.attrs["synthetic"] for found in measured),
     )
 
 

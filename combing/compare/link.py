@@ -4,7 +4,7 @@ A simulation is measured twice: exactly, by the topology of its strands in space
 camera, by rendering a photograph of it. The difference is the error of the imaging.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ import imaging
 import sim
 from combing.compare.comparison import Comparison, error_row, says_synthetic
 from combing.errors import UserError
-from combing.photographs import read_to_scale, to_scale
+from combing.photographs import Refused, measured_only, read_to_scale, to_scale
 from combing.study import LinkSet, tine_positions
 from combing.tables import read_table
 from combing.virtual_lab.helix_photos import Shot, take
@@ -58,8 +58,8 @@ def measure_helix(photo: imaging.Photo, pixel: float, root: str) -> pd.DataFrame
 
 def compare_link(
     chosen: LinkSet,
-    before: pd.DataFrame | None,
-    photographed: list[pd.DataFrame],
+    before: pd.DataFrame | Refused | None,
+    photographed: Sequence[pd.DataFrame | Refused],
     runs: Mapping[Path, sim.Run],
 ) -> Comparison:
     """Compare photographed link densities with the simulation's at the same tine positions.
@@ -68,30 +68,38 @@ def compare_link(
     ----------
     chosen : LinkSet
         From the study.
-    before : DataFrame or None
+    before : DataFrame, Refused or None
         `measure_link` of the photograph before the tine was inserted.
-    photographed : list of DataFrame
+    photographed : list of DataFrame or Refused
         `measure_link` of the others, in the order of ``chosen.photos``.
     runs : mapping
         Finished runs by the path that names them in the study.
     """
-    positions = tine_positions(chosen)
+    places, measured, notes = measured_only(chosen.name, photographed)
+    positions = [tine_positions(chosen)[i] for i in places]
+    if isinstance(before, Refused):
+        notes += [f"{chosen.name}, {before.photo.stem}: no reference, {before.reason}"]
+        before = None
     run = runs[chosen.simulation] if chosen.simulation else None
     reference = None if before is None else float(before["link"].mean())
-    parts, rows, notes = [], [], _warnings(chosen.name, [before, *photographed])
-    for d, seen in zip(positions, photographed, strict=True):
+    parts, rows = [], []
+    notes += _warnings(chosen.name, [before, *measured])
+    for d, seen in zip(positions, measured, strict=True):
         curves = {"experiment": seen}
         if run is not None:
             curves["simulation"] = simulated_link(run, d, seen.attrs["resolution"])
             if chosen.photograph_simulation:
-                curves["camera"] = photographed_link(run, d)
+                try:
+                    curves["camera"] = photographed_link(run, d)
+                except imaging.Unmeasurable as error:
+                    notes.append(f"{chosen.name}, simulation at d = {d:g} m: no camera, {error}")
         tine = d + tine_start(run) if run is not None else np.nan
         place = {"set": chosen.name, "photo": seen.attrs["photo"], "d": d, "tine": tine}
         parts += [_plotted(place, source, curve) for source, curve in curves.items()]
         rows.append(_row(chosen.name, seen.attrs["photo"], d, curves))
     plotted = pd.concat(parts, ignore_index=True)
     plotted["reference"] = reference if reference is not None else plotted["link"].median()
-    everything = [*photographed] if before is None else [before, *photographed]
+    everything = measured if before is None else [before, *measured]
     return Comparison(
         plotted=plotted,
         numbers=[("Link density", pd.DataFrame(rows))],

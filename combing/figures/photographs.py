@@ -36,8 +36,14 @@ def draw_photographs(photos: Mapping[str, Path], *, synthetic: bool) -> Figure:
 
 
 def smaller(path: Path, height: int) -> np.ndarray:
-    """Read a photograph upright and scale it down to `height` pixels (h, w, 3)."""
-    with Image.open(path) as photo:
-        upright = ImageOps.exif_transpose(photo).convert("RGB")
-        width = max(round(upright.width * height / upright.height), 1)
-        return np.asarray(upright.resize((width, height), Image.Resampling.BOX))
+    """Read a photograph upright and scale it down to `height` pixels (h, w, 3).
+
+    One that cannot be read, which the report names with its reason, is shown as a grey field.
+    """
+    try:
+        with Image.open(path) as photo:
+            upright = ImageOps.exif_transpose(photo).convert("RGB")
+    except (OSError, SyntaxError):
+        return np.full((height, height, 3), 200, np.uint8)
+    width = max(round(upright.width * height / upright.height), 1)
+    return np.asarray(upright.resize((width, height), Image.Resampling.BOX))
