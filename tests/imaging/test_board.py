@@ -1,60 +1,31 @@
 """Scale, lens and perspective recovered from rendered boards and from noisy corners."""
 
-from collections.abc import Callable
-
 import cv2
 import numpy as np
 import pytest
 
 from imaging import Photo, Unmeasurable
 from imaging.board import from_charuco, from_grid
+from imaging.board_synthetic import Way, camera, local_scale, photograph_board
 from imaging.plane import fit_plane
 
 SHAPE = (700, 900)
-CENTRE = np.array([SHAPE[1] - 1, SHAPE[0] - 1]) / 2
-RADIUS = np.hypot(*SHAPE) / 2
 SQUARES, SIDE, MARKER = (7, 5), 0.015, 0.011
-FLAT_PIXELS = (
-    24000  # per metre of the drawing that is photographed; markers are drawn to whole ones
-)
 TILTED = np.array([[1.9e-4, 2e-5, -0.025], [-1e-5, 2e-4, -0.02], [9e-5, -6e-5, 1]])
 LENS = (-0.06, 0.01)
 GRID = np.stack(np.meshgrid(np.linspace(20, 880, 6), np.linspace(20, 680, 5)), -1).reshape(-1, 2)
 
-Way = Callable[[np.ndarray], np.ndarray]
 
-
-def way(homography: np.ndarray, lens: tuple[float, float]) -> Way:
-    """Picture point -> metres, written out apart from the code under test."""
-
-    def metres(points: np.ndarray) -> np.ndarray:
-        away = (points - CENTRE) / RADIUS
-        rho = np.hypot(*away.T)[:, None]
-        ideal = CENTRE + RADIUS * away * (1 + lens[0] * rho**2 + lens[1] * rho**4)
-        return cv2.perspectiveTransform(ideal[None], homography)[0]
-
-    return metres
+def way(homography: np.ndarray = TILTED, lens: tuple[float, float] = LENS) -> Way:
+    return camera(homography, lens, SHAPE)
 
 
 def local(metres: Way) -> np.ndarray:
-    """Metres per pixel on GRID: root of the area of a small square."""
-    east, south = (metres(GRID + h) - metres(GRID - h) for h in 0.5 * np.eye(2))
-    return np.sqrt(np.abs(east[:, 0] * south[:, 1] - east[:, 1] * south[:, 0]))
+    return local_scale(metres, GRID)
 
 
 def photographed(board, size: tuple[float, float], metres: Way) -> Photo:
-    """Photograph a flat board, `size` metres, through a lens: blur 0.8 px, noise 2 %."""
-    flat = board.generateImage(tuple(round(FLAT_PIXELS * one) for one in size), marginSize=0)
-    y, x = np.mgrid[0 : SHAPE[0] : 0.5, 0 : SHAPE[1] : 0.5] - 0.25
-    places = FLAT_PIXELS * metres(np.stack([x.ravel(), y.ravel()], axis=1)) - 0.5
-    at = places.reshape(*x.shape, 2).astype(np.float32)
-    paper = {"borderMode": cv2.BORDER_CONSTANT, "borderValue": 235}
-    fine = cv2.remap(flat, at[..., 0], at[..., 1], cv2.INTER_LINEAR, **paper)
-    seen = cv2.GaussianBlur(
-        cv2.resize(fine, SHAPE[::-1], interpolation=cv2.INTER_AREA), (0, 0), 0.8
-    )
-    noisy = seen + np.random.default_rng(1).normal(0, 5, SHAPE)
-    return Photo(np.repeat(np.clip(noisy, 0, 255).astype(np.uint8)[..., None], 3, axis=2), "board")
+    return photograph_board(board, size, metres, SHAPE, rng=1)
 
 
 def charuco(dictionary: int = cv2.aruco.DICT_5X5_100, legacy: bool = False):
@@ -64,14 +35,24 @@ def charuco(dictionary: int = cv2.aruco.DICT_5X5_100, legacy: bool = False):
     return board
 
 
+def test_the_drawn_camera_moves_points_as_brown_says():
+    centre, corner = (np.array(SHAPE[::-1]) - 1) / 2, np.array([SHAPE[1] - 1, SHAPE[0] - 1.0])
+    lens = camera(np.eye(3), (0.1, -0.02), SHAPE)
+    rho = np.hypot(*(corner - centre)) / (np.hypot(*SHAPE) / 2)
+    for part in (1.0, 0.5):
+        point = centre + part * (corner - centre)
+        moved = 1 + 0.1 * (part * rho) ** 2 - 0.02 * (part * rho) ** 4
+        np.testing.assert_allclose(lens(point[None])[0] - centre, moved * (point - centre))
+
+
 @pytest.fixture(scope="module")
 def tilted() -> Photo:
-    return photographed(charuco(), (7 * SIDE, 5 * SIDE), way(TILTED, LENS))
+    return photographed(charuco(), (7 * SIDE, 5 * SIDE), way())
 
 
 def test_charuco_board_gives_the_scale_everywhere_within_its_sd(tilted):
     scale, _ = from_charuco(tilted, SQUARES, SIDE, MARKER)
-    true = local(way(TILTED, LENS))
+    true = local(way())
     found, sd = scale.plane.local(GRID)
     assert np.ptp(true) / true.mean() > 0.1  # the plane does lean
     assert (np.abs(found / true - 1) < 2 * sd).all()
@@ -82,7 +63,7 @@ def test_charuco_board_gives_the_scale_everywhere_within_its_sd(tilted):
 
 def test_lengths_on_the_board_are_true_across_the_picture(tilted):
     scale, _ = from_charuco(tilted, SQUARES, SIDE, MARKER)
-    way_there = way(TILTED, LENS)
+    way_there = way()
     ends = np.array([[150.0, 150.0], [750.0, 550.0]])
     length = np.hypot(*np.diff(scale.metres(ends), axis=0)[0])
     assert length == pytest.approx(np.hypot(*np.diff(way_there(ends), axis=0)[0]), rel=1e-3)
@@ -110,7 +91,7 @@ def test_an_older_board_is_known_too():
 
 
 def test_grid_of_markers():
-    metres = way(TILTED, LENS)
+    metres = way()
     known = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_6X6_250)
     board = cv2.aruco.GridBoard((4, 3), 0.018, 0.005, known)
     photo = photographed(board, (4 * 0.023 - 0.005, 3 * 0.023 - 0.005), metres)
@@ -120,7 +101,7 @@ def test_grid_of_markers():
 
 
 def test_the_stated_sd_covers_the_truth_as_often_as_it_says():
-    metres, true = way(TILTED, LENS), local(way(TILTED, LENS))
+    metres, true = way(), local(way())
     x, y = np.meshgrid(np.linspace(180, 720, 6), np.linspace(150, 560, 4))
     corners = np.stack([x.ravel(), y.ravel()], axis=1)
     places, rng = metres(corners), np.random.default_rng(3)
