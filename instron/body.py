@@ -15,7 +15,7 @@ import pandas as pd
 
 from instron.errors import Unreadable
 from instron.layout import Header, find_header, is_row, split_cells
-from instron.marks import QUOTE, marks_of
+from instron.marks import QUOTE, TORN, marks_of
 from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.source import CHUNK, NEWLINE, RETURN, Source, refuse_lone_returns
 
@@ -245,10 +245,24 @@ def _next_header(source: Source, header: Header, stop: int, delimiter: str) -> H
     return following
 
 
+def _refuse_torn_decimals(source: Source, rows: list[int], delimiter: str) -> None:
+    """Refuse ``0,1,0,05`` under names enough for four whole numbers."""
+    lines = [source.lines[number] for number in rows]
+    if delimiter != "," or any("." in line for line in lines):
+        return
+    for number, line in zip(rows, lines, strict=True):
+        if TORN.search(re.sub(r'"[^"]*"', "", line).encode()):
+            raise Unreadable(
+                f"{source.path}: line {number + 1}: no decimal point anywhere, and whole numbers"
+                " that start with 0: decimal commas without quotes?"
+            )
+
+
 def _exact(source: Source, header: Header, rows: list[int], delimiter: str) -> Body:
     """Convert the used cells of the rows, every cell checked."""
     if not rows:
         raise Unreadable(f"{source.path}: line {header.line + 1}: a header without complete rows")
+    _refuse_torn_decimals(source, rows, delimiter)
     cells = [split_cells(source.lines[number], delimiter) for number in rows]
     texts = {i: [row[i] if i < len(row) else "" for row in cells] for i in header.used()}
     body = Body(header, {}, rows)

@@ -18,6 +18,8 @@ LONG_LINE = 1 << 12
 # What may stand before the first digit of a number.
 EDGE = np.zeros(256, dtype=bool)
 EDGE[list(b'"+-;\t| \n')] = True
+# What follows a decimal comma that divides cells by mistake: 0,05 or 1,007.
+TORN = re.compile(rb",[-+]?0\d")
 # A number that has one reading only: 0.5, 1.25, 1.23456.
 _ONLY_DECIMAL = {
     mark: re.compile(rb"(?<![\d.,])0?" + re.escape(mark) + rb"\d|\d" + re.escape(mark)
@@ -44,6 +46,8 @@ def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str |
     comma, point, quote = (data.find(mark, start) >= 0 for mark in (b",", b".", b'"'))
     if delimiter == "," and quote:
         return _between_commas(data, start, point)
+    if delimiter == "," and not point and TORN.search(data, start):
+        return None
     if delimiter == "," or not comma:
         return (".", None) if not point or _ONLY_DECIMAL[b"."].search(data, start) else None
     if not point:

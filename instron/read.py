@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from instron.checks import (
     milliseconds,
     mixed_units,
     refuse_fill_values,
+    refuse_torn_decimals,
 )
 from instron.errors import Unreadable
 from instron.layout import (
@@ -30,7 +32,7 @@ from instron.layout import (
 from instron.preamble import labels_above, metadata, specimen_label, stated_maxima
 from instron.source import HEAD_BYTES, Source, open_source
 from instron.units import factor
-from instron.words import QUANTITIES, VOLTS, quantity_of, split_unit, unit_of
+from instron.words import QUANTITIES, VOLTS, is_unit, quantity_of, split_unit, unit_of
 
 CLOCK = re.compile(r"\s*\"?\d+:\d\d")
 USUAL_UNITS = {"time": "s", "displacement": "mm", "force": "N"}
@@ -131,6 +133,10 @@ def _why_no_header(lines: list[str]) -> str:
                                                                 for c in below}  # fmt: skip
             if marks & VOLTS:
                 return f"line {number}: columns in volts: a voltage logger, not a force log"
+            for name, unit in zip_longest(cells, below, fillvalue=""):
+                wrong = _wrong_unit(name, unit)
+                if wrong:
+                    return f"line {number}: {wrong}"
             missing = [q for q in ("displacement", "force") if q not in found]
             if missing:
                 return f"line {number}: no {' and no '.join(missing)} column in '{line[:60]}'"
@@ -143,6 +149,16 @@ def _why_no_header(lines: list[str]) -> str:
         "no header that names displacement and force; for a bare table say what its columns are:"
         " columns=('time', 'displacement', 'force')"
     )
+
+
+def _wrong_unit(cell: str, below: str) -> str:
+    """Say that a column's unit, in its cell or below, is not of the quantity it names, or ""."""
+    name, unit = split_unit(cell)
+    unit, quantity = unit or below.strip("()[] "), quantity_of(name)
+    known = unit_of(unit) if unit else None
+    if quantity is None or not is_unit(unit) or (known and known[0] == quantity):
+        return ""
+    return f"'{name}' in '{unit}' is no {quantity}"
 
 
 def _logs_only(bodies: list[Body]) -> list[Body]:
@@ -172,6 +188,9 @@ def _table(
         columns[quantity] = values if scale == 1 else values * scale
         if not stated:
             notes.append(f"the unit of {quantity} is not stated: taken as {unit}")
+    if delimiter == "," and "time" in specimen:
+        raw = [body.values[c.index][keep] for c in specimen.values()]
+        refuse_torn_decimals(where, raw, columns["time"])
     table = pd.DataFrame(columns, copy=False)
     kept, found = drop_jump_back(where, table, lines)
     table = table.iloc[:kept] if kept < len(table) else table

@@ -47,6 +47,15 @@ REFUSED = {
     ),
     "two points": (with_row("2.00\t1.0000\t2.110.849", head=TAB, delimiter="\t"), "line 23"),
     "decimal comma without quotes": (HEAD + "0,1,0,05,1,5\n" * 9, "6 cells under a header of 3"),
+    "decimal comma without quotes, names to spare": (
+        HEAD.replace("\n", ",a,b,c\n", 1) + "0,1,0,05,1,5,,,\n0,2,0,06,1,6,,,\n",
+        "line 3: no decimal point anywhere",
+    ),
+    "decimal comma without quotes, no zeros": (
+        HEAD.replace("\n", ",a,b,c\n", 1) + "".join(f"0,{i},4,{i},1,5\n" for i in range(10, 90)),
+        "whole numbers only, and most times repeat",
+    ),
+    "stress for a load": (HEAD.replace("(N)", "(MPa)") + "1,2,3\n", "'Load' in 'MPa' is no force"),
     "fill -1000000": (with_row("2.00,1.0000,-1000000"), "line 23: force -1e\\+06 is a fill value"),
     "fill 9.99E+37": (with_row("2.00,1.0000,9.99E+37"), "line 23: .*fill value"),
     "fill -----": (with_row("2.00,1.0000,-----"), "line 23: .*'-----'"),
