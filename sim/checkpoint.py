@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.explicit import Explicit
+from sim.kernels import layout
 
 Arrays = dict[str, NDArray[Any]]
-BUFFER = "state.buf"
 RECIPE = {"scene", "state"}  # the scene makes a march; of the state only the buffer changes
 
 
 def freeze(march: Explicit) -> Arrays:
-    """Return copies of all that a march holds, by name.
+    """Return all that a march holds, by name; views, good until it marches on.
 
     Raises
     ------
@@ -23,7 +23,8 @@ def freeze(march: Explicit) -> Arrays:
         The march holds something that is neither a number, an array nor a tuple of such, which
         would be lost.
     """
-    frozen: Arrays = {BUFFER: march.state.used().copy()}
+    # Row by row: what is written at once is copied twice on the way to the disk.
+    frozen: Arrays = dict(zip(layout.ROW, march.state.used(), strict=True))
     for name, value in vars(march).items():
         if name not in RECIPE:
             _pack(name, value, frozen)
@@ -32,7 +33,8 @@ def freeze(march: Explicit) -> Arrays:
 
 def thaw(march: Explicit, frozen: Arrays) -> None:
     """Put what `freeze` returned into a march of the same scene."""
-    march.state.used()[:] = frozen[BUFFER]
+    for name, row in zip(layout.ROW, march.state.used(), strict=True):
+        row[:] = frozen[name]
     for name, value in vars(march).items():
         if name not in RECIPE:
             setattr(march, name, _unpack(name, value, frozen))
@@ -48,7 +50,7 @@ def _pack(name: str, value: Any, frozen: Arrays) -> None:
         for field, part in _fields(name, value).items():
             _pack(field, part, frozen)
     elif isinstance(value, np.ndarray | np.number | float | int):
-        frozen[name] = np.array(value)
+        frozen[name] = np.asarray(value)
     elif value is not None:
         raise TypeError(f"{name}: a checkpoint cannot hold a {type(value).__name__}")
 

@@ -41,13 +41,12 @@ def part_of(path: Path) -> Path:
 class Recorded(NamedTuple):
     """What a journal holds: its about.json, samples (m, columns), snapshots (k, 2 + 3 nodes).
 
-    The arrays are maps of the files. `checkpoint` is empty where none was written yet.
+    The arrays are maps of the files.
     """
 
     about: dict[str, Any]
     samples: NDArray[np.float64]
     snapshots: NDArray[np.float64]
-    checkpoint: Arrays
 
 
 def read(folder: Path) -> Recorded:
@@ -65,7 +64,7 @@ def read(folder: Path) -> Recorded:
         raise SceneError(
             f"{folder}: not an unfinished run of `combing simulate`: {error}"
         ) from None
-    return Recorded(about, tables[SAMPLES], tables[SNAPSHOTS], _checkpoint(folder))
+    return Recorded(about, tables[SAMPLES], tables[SNAPSHOTS])
 
 
 def _widths(about: dict[str, Any]) -> dict[str, int]:
@@ -120,9 +119,8 @@ class Journal:
         try:
             _hold(self._lock, folder)
             if resume and (folder / ABOUT).exists():
-                found = read(folder)
-                _same_run(folder, found.about, about)
-                self.checkpoint = found.checkpoint
+                _same_run(folder, read(folder).about, about)
+                self.checkpoint = _checkpoint(folder)
             else:
                 (folder / CHECKPOINT).unlink(missing_ok=True)
         except BaseException:

@@ -131,7 +131,7 @@ def dataset(recorded: journal.Recorded) -> xarray.Dataset:
     """Return what a journal holds as one labelled data set, its arrays still in the files."""
     import xarray
 
-    about, samples, snapshots, _ = recorded
+    about, samples, snapshots = recorded
     scene = about["scene"]
     positions = snapshots[:, 2:].reshape(len(snapshots), -1, 3)
     rod = np.repeat(np.arange(len(about["strands"])), about["strands"])
