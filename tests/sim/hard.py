@@ -4,9 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
+from sim.kernels.ledger import tine_energy
 from sim.scene import Contact, Damping, End, Material, Points, Rod, Scene
 
 SOFT = Material(E=1e6, nu=0.5, density=1000)
@@ -45,7 +47,11 @@ def march_of(*rods, drag=1e-9, viscous=1e-12, gravity=(0, 0, 0), contact=None, *
 
 def segment_distances(p, q):
     """Return the distances of all segments of polyline p to all of q, (n, m)."""
-    p0, p1, q0, q1 = p[:-1, None], p[1:, None], q[None, :-1], q[None, 1:]
+    return between(p[:-1, None], p[1:, None], q[None, :-1], q[None, 1:])
+
+
+def between(p0, p1, q0, q1):
+    """Return the distances of segments from p0 to p1 to segments from q0 to q1."""
     ends = np.min(
         [
             _to_segment(p0, q0, q1), _to_segment(p1, q0, q1),
@@ -78,27 +84,21 @@ def _to_segment(x, a, b):
 def closest(march):
     """Return the smallest distance of two strands, or of two parts of one, over that of contact.
 
-    Parts of one strand count when they are further apart along it than contact can bend it.
+    Parts of one strand count when they are further apart along it than contact can bend it;
+    infinite when nothing is near.
     """
-    scene, strands = march.scene, march.state.strands()
-    nearest = math.inf
-    for i, a in enumerate(strands):
-        for j in range(i, len(strands)):
-            if i == j and not (scene.contact and scene.contact.self_contact):
-                continue
-            reach = scene.rods[i].radius + scene.rods[j].radius
-            gaps = segment_distances(a, strands[j])
-            if i == j:
-                gaps = gaps[_far_along(march, i)]
-            nearest = min(nearest, gaps.min(initial=math.inf) / reach)
-    return nearest
-
-
-def _far_along(march, number):
-    lengths = march.state.row("LENGTH")[march.state.nodes(number)][:-1]
-    arc = np.concatenate([[0], np.cumsum(lengths)])
-    apart = arc[None, :-1] - arc[1:, None]
-    return np.maximum(apart, apart.T) > 2 * math.pi * march.scene.rods[number].radius
+    state, rods = march.state, march.state.rod_of_element()
+    x, radius, length = state.rows("X0 X1 X2").T, state.row("RADIUS"), state.row("LENGTH")
+    i = np.flatnonzero(rods >= 0)
+    middle = 0.5 * (x[i] + x[i + 1])
+    near = 3 * radius.max() + 2 * length.max()
+    a, b = i[cKDTree(middle).query_pairs(near, output_type="ndarray").reshape(-1, 2)].T
+    arc = np.cumsum(length) - length
+    gap = 2 * math.pi * radius.max() if march.scene.contact.self_contact else np.inf
+    apart = (rods[a] != rods[b]) | (abs(arc[b] - arc[a]) - np.minimum(length[a], length[b]) > gap)
+    a, b = a[apart], b[apart]
+    gaps = between(x[a], x[a + 1], x[b], x[b + 1]) / (radius[a] + radius[b])
+    return gaps.min(initial=np.inf)
 
 
 def energies(march):
@@ -107,10 +107,11 @@ def energies(march):
     weight = (
         -np.array(march.scene.gravity or (0, 0, 0)) @ state.rows("X0 X1 X2") @ state.row("MASS")
     )
+    contact = contact_potential(march)
+    if effects.tines:
+        contact += tine_energy(state.buf, state.n, effects.tines)
     work = [each.work[0] for each in (effects.tines, effects.driven, effects.pulled) if each]
-    return np.array(
-        [kinetic_energy(state), elastic_energy(state), contact_potential(march), weight, -sum(work)]
-    )
+    return np.array([kinetic_energy(state), elastic_energy(state), contact, weight, -sum(work)])
 
 
 def contact_potential(march, samples=64):
@@ -163,20 +164,21 @@ class Watch:
         return f"{near}energy rose by {self.rise / max(self.turnover, 1e-300):.1e} of its turnover"
 
 
-def watch(march, duration, *, rise=0.08, looks=20, separate=SEPARATE, tracked=True):
+def watch(march, duration, *, rise=0.08, scale=0.0, looks=20, separate=SEPARATE, tracked=True):
     """March on and assert, look by look, what must hold in every hard case.
 
     All is finite; no strand comes closer to another than `separate` of the contact distance, and
     none moves so far between two looks that it could have passed through and out again (unless the
     test proves that another way: `tracked=False`); energy less the work put in never grows by more
-    than `rise` of what has been turned over. Position Verlet swings about the true energy by some
-    (omega dt)^2/16, 3 % while a contact lasts at 0.75 of the largest step, and gives it back.
+    than `rise` of what has been turned over, or of `scale` [J] if that is more. Position Verlet
+    swings about the true energy by some (omega dt)^2/16, 3 % while a contact lasts at 0.75 of the
+    largest step, and gives it back.
     """
     scene, state, end = march.scene, march.state, march.time + duration
     reach = 2 * min(each.radius for each in scene.rods)
     touching = len(scene.rods) > 1 or scene.contact.self_contact
     tracked = tracked and touching
-    nearest, books, span = closest(march), [energies(march)], duration / looks / 20
+    nearest, books, span = closest(march), [energies(march)], 2 * march.dt
     while march.time < end - 0.5 * march.dt:
         before = state.rows("X0 X1 X2")
         span = next_look(march, duration / looks, reach, span) if tracked else duration / looks
@@ -190,7 +192,7 @@ def watch(march, duration, *, rise=0.08, looks=20, separate=SEPARATE, tracked=Tr
             assert nearest > separate, f"t = {march.time:g} s: {nearest:.3f} of touching"
     balance = np.sum(books, axis=1)
     risen = float(np.max(balance - np.minimum.accumulate(balance)))
-    turnover = float(np.ptp(books, axis=0).max())
+    turnover = max(scale, float(np.ptp(books, axis=0).max()))
     assert risen <= rise * turnover, f"energy rose by {risen / turnover:.2e} of its turnover"
     return Watch(nearest, risen, turnover)
 
@@ -198,7 +200,7 @@ def watch(march, duration, *, rise=0.08, looks=20, separate=SEPARATE, tracked=Tr
 def next_look(march, longest, reach, last):
     """Return after how long to look again [s]: before anything has moved a good part of `reach`."""
     fastest = np.linalg.norm(march.state.rows("V0 V1 V2"), axis=0).max()
-    return min(longest, 2 * last, max(0.2 * reach / max(fastest, 1e-300), longest / 100))
+    return min(longest, 2 * last, max(0.2 * reach / max(fastest, 1e-300), 2 * march.dt))
 
 
 def _assert_finite(state):
