@@ -16,7 +16,6 @@ from sim.scene import End, Motion, Scene, Tine
 from sim.state import State
 
 SOFTNESS = 0.3  # default line stiffness of contact as a fraction of Young's modulus
-SLIP_DAMPING = 0.2  # of critical, for the spring that stands for sticking
 
 
 def stiffness(scene: Scene) -> float | None:
@@ -50,7 +49,7 @@ def friction(scene: Scene) -> contact_kernel.Friction | None:
     """Return the coefficients between rods, if any."""
     if scene.friction is None:
         return None
-    return _coulomb(scene, scene.friction.forward, scene.friction.backward)
+    return contact_kernel.Friction(scene.friction.forward, scene.friction.backward)
 
 
 def tine_friction(scene: Scene) -> contact_kernel.Friction | None:
@@ -58,14 +57,8 @@ def tine_friction(scene: Scene) -> contact_kernel.Friction | None:
     if scene.friction is None or not scene.tines:
         return None
     if scene.friction.tine is None:
-        return _coulomb(scene, scene.friction.forward, scene.friction.backward)
-    return _coulomb(scene, scene.friction.tine, scene.friction.tine)
-
-
-def _coulomb(scene: Scene, forward: float, backward: float) -> contact_kernel.Friction:
-    line_density = min(rod.material.density * math.pi * rod.radius**2 for rod in scene.rods)
-    damping = 2 * SLIP_DAMPING * math.sqrt(line_density)
-    return contact_kernel.Friction(forward, backward, damping)
+        return friction(scene)
+    return contact_kernel.Friction(scene.friction.tine, scene.friction.tine)
 
 
 def contact(scene: Scene, state: State) -> contact_kernel.Contact | None:

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import layout, rod
-from sim.scene import Damping, End, Material, Points, Rod, Scene, Straight
+from sim.scene import Contact, Damping, End, Friction, Material, Points, Rod, Scene, Straight, Tine
 from sim.shapes import frames
 from sim.state import build, rigidities
 
@@ -243,29 +243,48 @@ def test_energy_error_shrinks_with_the_square_of_the_time_step(rng):
     assert errors[0] / errors[1] == pytest.approx(4, rel=0.25)
 
 
-def test_moving_and_turning_the_whole_scene_changes_nothing(rng):
+def moved_scene(turn, shift):
+    """Return two crossing strands, a tine that drives through them, friction and weight."""
+
+    def place(p):
+        return tuple(map(float, turn @ np.asarray(p, float) + shift))
+
+    def direct(v):
+        return tuple(map(float, turn @ np.asarray(v, float)))
+
+    s = np.linspace(0, 1, 13)[:, None]
+    first = 0.1 * np.hstack([s, 0.1 * np.sin(6 * s), 0 * s])
+    second = 0.1 * np.hstack([0.5 + 0 * s, s - 0.5, 0.02 * s + 0.09])
+    rods = [
+        Rod(
+            shape=Points(nodes=[place(p) for p in nodes]),
+            radius=0.005,
+            elements=12,
+            material=RUBBER,
+        )
+        for nodes in (first, second)
+    ]
+    tine = Tine(position=place((0.03, 0, 0.0155)), axis=direct((0, 1, 0)), length=0.2, radius=0.01,
+                direction=direct((0, 0, -1)), insertion=0, speed=1.0, travel=1.0)  # fmt: skip
+    return Scene(
+        rods=rods, duration=1, gravity=direct((0, 0, -9.81)), contact=Contact(), tines=[tine],
+        friction=Friction(forward=0.3, backward=0.2), damping=Damping(drag=3.0, material=1e-5),
+    )  # fmt: skip
+
+
+def test_moving_and_turning_the_whole_scene_changes_nothing():
     turn = Rotation.from_rotvec([0.3, -1.1, 0.7]).as_matrix()
     shift = np.array([0.2, -0.1, 0.4])
-    angle = np.linspace(0, 4, 13)
-    nodes = 0.1 * np.column_stack([np.cos(angle), np.sin(angle), 0.3 * angle])
-
-    def end(points, gravity):
-        shape = Points(nodes=[tuple(p) for p in points])
-        material = RUBBER
-        scene = Scene(
-            rods=[Rod(shape=shape, radius=0.005, elements=12, material=material)],
-            gravity=tuple(gravity),
-            damping=Damping(drag=3.0, material=1e-5),
-            duration=1,
-        )
-        march = Explicit(scene)
-        march.advance(3000)
-        return march.state.strands()[0]
-
-    gravity = np.array([0, 0, -9.81])
-    plain = end(nodes, gravity)
-    moved = end(nodes @ turn.T + shift, turn @ gravity)
+    ends = []
+    for each in ((np.eye(3), np.zeros(3)), (turn, shift)):
+        march = Explicit(moved_scene(*each))
+        march.advance(1500)
+        ends.append((np.concatenate(march.state.strands()), march.take_load()[0]))
+    (plain, load), (moved, turned) = ends
+    assert np.linalg.norm(load) > 0
+    assert np.abs(march.contact.slip).max() > 0
     np.testing.assert_allclose(moved, plain @ turn.T + shift, atol=1e-9)
+    np.testing.assert_allclose(turned, turn @ load, atol=1e-9 * np.abs(load).max() + 1e-9)
 
 
 def test_frames_are_orthonormal_untwisted_and_tangent(rng):
