@@ -16,6 +16,7 @@ from tqdm import tqdm
 
 import imaging
 from combing.errors import UserError, is_users_fault
+from imaging.calibration import calibrate
 from imaging.helix import helix
 from imaging.helix_measurement import HelixMeasurement
 from imaging.helix_pictures import (
@@ -26,7 +27,7 @@ from imaging.helix_pictures import (
 )
 from imaging.helix_sequence import HelixSequence, kymograph, sequence_of
 from imaging.photo import Photo
-from imaging.scale import FORMS, Request, Scale, from_marker, from_ruler, parse_scale, stated
+from imaging.scale import FORMS, Request, Scale, parse_scale
 
 COLUMNS = {
     "s": "arclength of the axis from the root [UNIT]",
@@ -183,26 +184,16 @@ def _measure(path: Path, options: Options) -> tuple[Photo, HelixMeasurement]:
     photo = imaging.read_photo(path, roi=options.roi)
     ask = partial(helix, colours=options.colours, root=options.root, tine=options.tine)
     try:
-        scale, photo = _scale(photo, options.scale)
+        scale, photo = calibrate(photo, options.scale)
         found = ask(photo, scale=scale)
         if options.scale is not None and options.scale.kind == "filament":
             # The strands' fitted width is the known length.
-            found = ask(photo, scale=_from_width(found, options.scale.numbers[0]))
+            known = _from_width(found, options.scale.numbers[0])
+            found = ask(photo, scale=known.with_doubt(options.scale.length_sd))
     except imaging.Unmeasurable as error:
         text = str(error)
         raise UserError(text if str(path) in text else f"{path}: {text}") from error
     return photo, found
-
-
-def _scale(photo: Photo, request: Request | None) -> tuple[Scale | None, Photo]:
-    if request is None or request.kind == "filament":
-        return None, photo
-    if request.kind in ("marker", "plane"):
-        return from_marker(photo, *request.numbers, perspective=request.kind == "plane")
-    if request.kind == "stated":
-        return stated(*request.numbers), photo
-    x0, y0, x1, y1, length = request.numbers
-    return from_ruler((x0, y0), (x1, y1), length), photo
 
 
 def _from_width(found: HelixMeasurement, diameter: float) -> Scale:
