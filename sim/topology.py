@@ -24,6 +24,13 @@ def _curve(points: ArrayLike) -> Array:
     return curve
 
 
+def _links(first: Array, second: Array) -> Array:
+    """Return the link of every segment of `second` with all of `first`, (len(second) - 1,)."""
+    sums = np.zeros(len(second) - 1)
+    kernels.add_links(first, second, sums)
+    return sums
+
+
 def gauss_link(a: ArrayLike, b: ArrayLike) -> float:
     """Return the Gauss linking integral of two polylines, open or closed.
 
@@ -38,10 +45,7 @@ def gauss_link(a: ArrayLike, b: ArrayLike) -> float:
         An integer for closed curves that do not touch; for open ones the link averaged over all
         directions of view.
     """
-    first, second = _curve(a), _curve(b)
-    rows, columns = np.zeros(len(first) - 1), np.zeros(len(second) - 1)
-    kernels.link_rows(first, second, rows, columns)
-    return float(rows.sum())
+    return float(_links(_curve(a), _curve(b)).sum())
 
 
 def average_crossing_number(a: ArrayLike, b: ArrayLike) -> float:
@@ -52,9 +56,7 @@ def average_crossing_number(a: ArrayLike, b: ArrayLike) -> float:
 def writhe(points: ArrayLike) -> float:
     """Return the writhe of a polyline, (n, 3); a closed curve repeats its first node at the end."""
     curve = _curve(points)
-    rows = np.zeros(len(curve) - 1)
-    kernels.writhe_rows(curve, rows)
-    return float(rows.sum())
+    return float(_links(curve, curve).sum())
 
 
 def twist(centreline: ArrayLike, normals: ArrayLike) -> float:
@@ -126,8 +128,8 @@ def link_density(a: ArrayLike, b: ArrayLike, *, resolution: float | None = None)
     first, second = _curve(a), _curve(b)
     axis = net_axis(first, second)
     longer = EXTENSION * float(max(_arclength(first)[-1], _arclength(second)[-1]))
-    rows, columns = np.zeros(len(first) + 1), np.zeros(len(second) + 1)
-    kernels.link_rows(extended(first, axis, longer), extended(second, axis, longer), rows, columns)
+    long_first, long_second = extended(first, axis, longer), extended(second, axis, longer)
+    rows, columns = _links(long_second, long_first), _links(long_first, long_second)
     on_a, on_b = common_arclength(first, second, abs(rows.sum()))
     edges = np.linspace(0.0, max(on_a[-1], on_b[-1]), len(first))
     link = np.diff(0.5 * (_cumulative(edges, on_a, rows) + _cumulative(edges, on_b, columns)))
@@ -199,11 +201,6 @@ def partners(a: Array, b: Array, turns: float) -> Array:
     midline = 0.5 * (a + np.column_stack([np.interp(guess, index, b[:, k]) for k in range(3)]))
     width = int(np.clip(round(len(a) / max(turns, 1.0)), 3, max(3, len(a) // 4)))
     tangents = np.gradient(uniform_filter1d(midline, width, axis=0, mode="nearest"), axis=0)
-    height = tangents @ b.T - np.einsum("ij,ij->i", tangents, a)[:, None]
-    crossing = (height[:, :-1] <= 0) & (height[:, 1:] > 0)
-    rise = np.where(crossing, height[:, 1:] - height[:, :-1], 1.0)
-    place = index[:-1] - height[:, :-1] / rise
-    distance = np.where(crossing, np.abs(place - guess[:, None]), np.inf)
-    best = np.argmin(distance, axis=1)
-    ends = np.where(height[:, 0] > 0, 0.0, len(b) - 1.0)
-    return np.where(crossing.any(axis=1), place[np.arange(len(a)), best], ends)
+    found = np.empty(len(a))
+    kernels.pass_planes(a, np.ascontiguousarray(tangents), b, guess, found)
+    return found

@@ -1,9 +1,12 @@
 """Exact topology against closed forms and independent numbers."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from sim import average_crossing_number, gauss_link, link_density, twist, writhe
+from sim.kernels import topology as kernels
 
 
 def double_helix(pitch_over_radius, turns, per_turn=100, slide=0.0):
@@ -21,6 +24,38 @@ def double_helix(pitch_over_radius, turns, per_turn=100, slide=0.0):
 def closed_curve(function, n=1200):
     t = np.linspace(0, 2 * np.pi, n + 1)
     return np.column_stack(function(t))
+
+
+def pair_by_pair(first, second):
+    """Return the link of every segment of `second` with `first`, one arc tangent after another."""
+    a, b = ([kernels.point(curve, i) for i in range(len(curve))] for curve in (first, second))
+    pairs = [[kernels.pair_link(*ab, *cd) for ab in pairwise(a)] for cd in pairwise(b)]
+    return np.sum(pairs, axis=1)
+
+
+def summed(first, second):
+    sums = np.zeros(len(second) - 1)
+    kernels.add_links(first, second, sums)
+    return sums
+
+
+@pytest.mark.parametrize("n", [2, 40, 129, 200])
+def test_products_of_complex_numbers_add_up_to_the_link_of_all_pairs(rng, n):
+    """Dense tangles, whose segments wind several times around the other curve."""
+    a = np.cumsum(rng.normal(size=(n, 3)), axis=0)
+    b = np.cumsum(rng.normal(size=(n + 5, 3)), axis=0)
+    np.testing.assert_allclose(summed(a, b), pair_by_pair(a, b), atol=1e-12)
+
+
+def test_a_segment_around_which_a_curve_winds_many_times_has_all_its_turns():
+    """A long product passes the negative axis once a turn: 25 turns within one segment."""
+    angle = np.linspace(0, 50 * np.pi, 1501)
+    coil = np.column_stack([np.cos(angle), np.sin(angle), angle / 500])
+    axis = np.array([[0, 0, -200.0], [0, 0, 200.0]])
+    for second in (axis, axis[::-1]):
+        total = summed(coil, second)
+        np.testing.assert_allclose(total, pair_by_pair(coil, second), atol=1e-12)
+        assert abs(total[0]) == pytest.approx(25, abs=1e-3)
 
 
 def test_open_double_helices_have_the_reference_gauss_integral(reference):
