@@ -20,12 +20,21 @@ EDGE = np.zeros(256, dtype=bool)
 EDGE[list(b'"+-;\t| \n')] = True
 # What follows a decimal comma that divides cells by mistake: 0,05 or 1,007.
 TORN = re.compile(rb",[-+]?0\d")
-# A number that has one reading only: 0.5, 1.25, 1.23456.
-_ONLY_DECIMAL = {
-    mark: re.compile(rb"(?<![\d.,])0?" + re.escape(mark) + rb"\d|\d" + re.escape(mark)
-                     + rb"(?:\d\d?|\d{4,})(?![\d.,])")
-    for mark in (b".", b",")
-}  # fmt: skip
+
+
+def _one_reading(mark: bytes, before: bytes, after: bytes) -> re.Pattern[bytes]:
+    """Return what matches a number that only a decimal ``mark`` explains: 0.5, 1.25, 1.23456."""
+    tail = rb"(?:[eE][-+]?\d+)?" + after
+    return re.compile(
+        before + rb"[-+]?(?:0?" + mark + rb"\d+|\d+" + mark + rb"(?:\d\d?|\d{4,}))" + tail
+    )
+
+
+POINT_BETWEEN_COMMAS = _one_reading(rb"\.", rb"(?<![\d.])", rb"(?![\d.])")
+COMMA_IN_QUOTES = _one_reading(rb",", rb'"', rb'"')
+POINT_ALONE, COMMA_ALONE = (
+    _one_reading(mark, rb"(?<![\d.,])", rb"(?![\d.,])") for mark in (rb"\.", rb",")
+)
 
 
 def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str | None] | None:
@@ -49,9 +58,10 @@ def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str |
     if delimiter == "," and not point and TORN.search(data, start):
         return None
     if delimiter == "," or not comma:
-        return (".", None) if not point or _ONLY_DECIMAL[b"."].search(data, start) else None
+        proof = POINT_BETWEEN_COMMAS if delimiter == "," else POINT_ALONE
+        return (".", None) if not point or proof.search(data, start) else None
     if not point:
-        return (",", None) if _ONLY_DECIMAL[b","].search(data, start) else None
+        return (",", None) if COMMA_ALONE.search(data, start) else None
     text = np.frombuffer(data, dtype=np.uint8)
     for group, decimal in ((COMMA, POINT), (POINT, COMMA)):
         if _grouped(text, _places(text, start, group), decimal):
@@ -64,10 +74,13 @@ def _between_commas(data: mmap | bytes, start: int, point: bool) -> tuple[str, s
     text = np.frombuffer(data, dtype=np.uint8)
     for inner in (_not_after_quotes, _within_quotes):
         grouped = _grouped(text, inner(text, start), POINT)
+        if grouped:
+            return ".", ","
         if grouped is not None:
-            return (".", ",") if grouped else (".", None)
+            proven = not point or POINT_BETWEEN_COMMAS.search(data, start)
+            return (".", None) if proven else None
     if not point:
-        return (",", None) if _ONLY_DECIMAL[b","].search(data, start) else None
+        return (",", None) if COMMA_IN_QUOTES.search(data, start) else None
     return (",", ".") if _grouped(text, _places(text, start, POINT), COMMA) else None
 
 

@@ -93,6 +93,14 @@ REFUSED = {
         + '9,1.125,"1,539,375"\n',
         "line 12: '1,539,375' alone has no decimals",
     ),
+    "commas in quotes beside a bare 0": (
+        HEAD + '0,12,"1,424"\n1,13,"1,430"\n',
+        "'1,424' could be a decimal or a thousand",
+    ),
+    "points that may group, quoted": (
+        HEAD + '"1","2","998"\n"2","3","1.002"\n',
+        "'1.002' could be a decimal",
+    ),
     "points that may group": (TAB + "1\t2\t998\n2\t3\t1.002\n", "'1.002' could be a decimal"),
     "quote within a number": (
         HEAD + '"0.1","0.2","0.3"\n"0.2","0.3","773.98"5.00"\n"0.3","0.3","0.4"\n',
@@ -257,7 +265,12 @@ def test_each_stacked_specimen_has_its_own_name(tmp_path):
 
 
 def test_ten_thousand_rows_of_garbage_do_not_hang(tmp_path):
-    for garbage in ("a," * 100_000, "1" * 1_000_000, '"' * 100_000, "Time,Extension,Load\n" * 2000):
+    for garbage in (
+        "a," * 100_000,
+        "1" * 1_000_000,
+        '"' * 100_000,
+        "Time,Extension,Load\n" * 20_000,
+    ):
         with pytest.raises(instron.Unreadable):
             read(tmp_path, garbage)
 
