@@ -1,5 +1,6 @@
 """``combing photo`` as a user meets it."""
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pandas as pd
 import pytest
 
 from combing.cli import main
+from combing.commands import photo as photo_command
 from imaging.synthetic import render
 
 FILES = {
@@ -153,3 +155,44 @@ def test_a_twisted_pair_beside_a_marker_is_two_strands(tmp_path):
 def test_a_photograph_that_cannot_be_measured_leaves_no_folder(pictures, tmp_path):
     assert run("photo", pictures / "dot.png", "-o", tmp_path / "out") == 2
     assert not (tmp_path / "out").exists()
+
+
+def test_another_mask_is_another_measurement(pictures, tmp_path, capsys):
+    mask = tmp_path / "mask.png"
+    args = ("photo", pictures / "a.png", "-o", tmp_path / "out", "--ignore", mask, "--json")
+    kept = []
+    for rows in (0, 0, 30):
+        cv2.imwrite(
+            str(mask), np.pad(np.full((rows, 200), 255, np.uint8), ((0, 240 - rows), (0, 0)))
+        )
+        assert run(*args) == 0
+        kept.append(json.loads(capsys.readouterr().out)[0].get("kept", False))
+    assert kept == [False, True, False]
+
+
+def test_a_defect_of_ours_stops_no_batch_and_is_not_hidden(pictures, tmp_path, monkeypatch, capsys):
+    true_measure = photo_command.measure
+
+    def broken(photo, *rest):
+        return 1 / 0 if photo.source.endswith("a.png") else true_measure(photo, *rest)
+
+    monkeypatch.setattr(photo_command, "measure", broken)
+    with pytest.raises(ZeroDivisionError):
+        main(["photo", str(pictures), "-o", str(tmp_path / "out"), "--quiet"])
+    told = capsys.readouterr().out
+    assert "a.png: REFUSED, a defect of this program (ZeroDivisionError" in told
+    assert "1 measured, 4 refused" in told
+    assert (tmp_path / "out" / "b" / "provenance.json").exists()
+
+
+def test_the_record_says_what_was_measured_and_how(pictures, tmp_path):
+    photo = pictures / "a.png"
+    assert run("photo", photo, "-o", tmp_path, "--scale", "10px/mm+-2%", "--n-sec", 8) == 0
+    record = json.loads((tmp_path / "provenance.json").read_text())
+    assert record["input"]["sha256"] == hashlib.sha256(photo.read_bytes()).hexdigest()
+    assert record["input"]["options"] == {
+        "scale": "10px/mm+-2%", "n_sec": 8, "roi": None, "ignore": None,
+    }  # fmt: skip
+    assert {"combing", "python", "numpy", "scipy", "opencv"} <= set(record["input"]["versions"])
+    assert record["summary"]["scale_relative_sd"] == pytest.approx(0.02)
+    assert pd.read_csv(tmp_path / "strands.csv")["scale_sd"].unique() == [0.02]
