@@ -22,7 +22,6 @@ _GROUPED = {
 }  # fmt: skip
 _MARK_NAMES = {".": "a decimal point", ",": "a decimal comma"}
 _MARKS = re.compile(r"[.,].*[.,]")
-_WHOLE_HUNDREDS = re.compile(r"[-+]?[1-9]\d\d")
 _WHOLE_MILLIONS = re.compile(r"[-+]?\d{1,3}([,.])\d{3}(?:\1\d{3})+")
 
 
@@ -45,7 +44,7 @@ def decimal_mark(cells: Sequence[str]) -> str:
     Raises
     ------
     Unclear
-        When cells contradict each other, or ``1,424`` could be either of two numbers.
+        When cells contradict each other, or ``1,424`` or ``1.424`` could be either of two numbers.
     """
     proofs = {
         mark: [i for i, c in enumerate(cells) if _may_prove(c, mark) and _proves(c, mark)]
@@ -61,22 +60,10 @@ def decimal_mark(cells: Sequence[str]) -> str:
         )
     if proofs["."] or proofs[","]:
         return "." if proofs["."] else ","
-    unsure = next((i for i, c in enumerate(cells) if "," in c), None)
-    if unsure is None:
-        unsure = _dot_in_doubt(cells)
+    unsure = next((i for i, c in enumerate(cells) if "," in c or "." in c), None)
     if unsure is None:
         return "."
     raise Unclear(f"'{cells[unsure]}' could be a decimal or a thousand: no number tells", unsure)
-
-
-def _dot_in_doubt(cells: Sequence[str]) -> int | None:
-    """Return the first ``1.424`` if whole numbers of three digits stand among such: 999, 1.002.
-
-    Where every number with a point has three decimals, and others have none, points may group.
-    """
-    if not any(_WHOLE_HUNDREDS.fullmatch(cell) for cell in cells):
-        return None
-    return next((i for i, cell in enumerate(cells) if "." in cell), None)
 
 
 def _may_prove(cell: str, mark: str) -> bool:

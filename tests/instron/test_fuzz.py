@@ -35,10 +35,12 @@ def exports(draw):
     """Return the bytes of an export, what it holds in SI, and how its body is to be read."""
     delimiter = draw(st.sampled_from([",", ";", "\t"]))
     decimal = draw(st.sampled_from(".,"))
-    quoted = draw(st.booleans()) or (delimiter == "," and decimal == ",")
+    quoted = draw(st.sampled_from(["all", "none", "where needed"]))
+    quoted = "all" if quoted == "none" and delimiter == decimal else quoted
     group = draw(st.sampled_from(["", "", "," if decimal == "." else ".", "\u00a0", " "]))
-    group = group if quoted or group != delimiter else ""
-    digits = draw(st.integers(1, 6))
+    group = group if quoted != "none" or group != delimiter else ""
+    digits = draw(st.sampled_from([0, 1, 2, 3, 3, 4, 5, 6]))
+    stripped = draw(st.booleans())  # of zeros at the end, as some releases write
     n = draw(st.integers(3, 40))
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     top = draw(st.sampled_from([0.5, 30.0, 1500.0, 2.5e6]))
@@ -54,8 +56,10 @@ def exports(draw):
     newline = draw(st.sampled_from(["\n", "\n", "\r\n", "\r\n", "\r", "\r\r\n"]))
 
     def cell(value):
-        text = f"{value:,.{digits}f}".replace(",", "_").replace(".", decimal).replace("_", group)
-        return f'"{text}"' if quoted else text
+        text = f"{value:,.{digits}f}".replace(",", "_")
+        text = text.rstrip("0").rstrip(".") if stripped and "." in text else text
+        text = text.replace(".", decimal).replace("_", group)
+        return f'"{text}"' if quoted == "all" or delimiter in text else text
 
     cells = [[cell(v) for v in columns[q]] for q in order]
     cells += [[cell(v) for v in rng.uniform(0, 9, n)] for _ in extra]
@@ -68,7 +72,7 @@ def exports(draw):
     facts = [delimiter.join(["General : Fact " + str(i), "x, y" if delimiter != "," else '"x, y"'])
              for i in range(draw(st.integers(0, 12)))]  # fmt: skip
     facts += [""] * bool(facts)
-    tail = delimiter * draw(st.integers(0, 2)) if not quoted else ""
+    tail = delimiter * draw(st.integers(0, 2)) if quoted == "none" else ""
     body = [delimiter.join(row) + tail for row in zip(*cells, strict=True)]
     encoding = draw(st.sampled_from(["utf-8", "utf-8-sig", "cp1252", "utf-16"]))
     truth = {q: np.array([number(c, decimal, group) for c in cells[order.index(q)]]) * SI[units[q]]
