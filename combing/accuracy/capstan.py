@@ -29,7 +29,6 @@ RADIUS = THIN * TINE
 PATH = TINE + RADIUS  # radius of the wrapped centreline [m]
 SOFT = Material(E=1e8, nu=0.4, density=1000.0)
 STRAIN = 1e-3  # of the strand under the dead load
-FREE = 0.3 * TINE  # straight strand before and after the tine at the start [m]
 # Friction feeds vibrations of a strand that is held by contact alone; with less drag it chatters.
 DRAG = 2000.0  # 1/s
 RAMP = 0.01  # time over which load and then speed rise [s]
@@ -41,7 +40,7 @@ class Capstan:
     """Strand wrapped on a tine, its root drawn away at a constant speed, a dead load on its tip.
 
     `elements` per radian of wrap, pulling `speed` [m/s], contact `stiffness` as a fraction of E:
-    the strand sinks into the tine by STRAIN pi r^2/((t + r) stiffness), 0.1 r at first.
+    the strand sinks into the tine by STRAIN pi r^2/((t + r) stiffness), 0.3 r under the dead load.
     """
 
     friction: float = 0.3
@@ -49,7 +48,7 @@ class Capstan:
     elements: int = 20
     safety: float = 0.75
     speed: float = 0.01
-    stiffness: float = 1.25e-4
+    stiffness: float = 4e-5
 
     @property
     def element_length(self) -> float:
@@ -60,6 +59,11 @@ class Capstan:
     def span(self) -> float:
         """Sliding distance of the measurement [m]: whole elements, each of which ripples once."""
         return max(1, round(SLIDE / self.element_length)) * self.element_length
+
+    @property
+    def free(self) -> float:
+        """Straight strand before and after the tine at the start [m]: some is left at the end."""
+        return 0.25 * TINE + self.span
 
     @property
     def settling(self) -> float:
@@ -102,7 +106,8 @@ class Capstan:
         arc = PATH * np.column_stack([np.cos(angle), np.sin(angle)])
         leaving = np.array([0.0, -1.0])
         arriving = np.array([-math.sin(self.wrap), math.cos(self.wrap)])
-        distance = np.linspace(0, FREE, max(1, round(FREE / self.element_length)) + 1)[1:, None]
+        count = max(1, round(self.free / self.element_length))
+        distance = np.linspace(0, self.free, count + 1)[1:, None]
         nodes = [arc[0] + distance[::-1] * leaving, arc, arc[-1] + distance * arriving]
         return np.vstack(nodes), leaving, arriving
 
@@ -138,9 +143,9 @@ class Capstan:
         slid = SLIDE + 0.5 * self.span
         rate = exponent(self.friction)
         growth = math.exp(rate * self.wrap)
-        arriving = tension() + drag * (FREE - slid) - bend
+        arriving = tension() + drag * (self.free - slid) - bend
         leaving = arriving * growth + drag * PATH * (growth - 1) / rate + bend
-        return (leaving + drag * (FREE + slid)) / tension()
+        return (leaving + drag * (self.free + slid)) / tension()
 
 
 def exponent(friction: float) -> float:

@@ -14,7 +14,6 @@ from sim.scene import Contact, Scene
 from sim.state import rigidities
 
 PI1, R = 24.0, 4.25e-4  # pitch over filament radius, filament radius [m]
-HEIGHT = 0.1  # m; the first jam is the same for 0.15 m
 L0 = 0.01  # m, in f = l0^2 F/B
 WINDOW = PI1 * R / 6  # m; a whole number of elements on every mesh used, each of which ripples once
 RELEASE = 0.85  # of the highest force so far: below it the jam has let go
@@ -33,6 +32,7 @@ class Jam:
     speed: float = 0.2
     stiffness: float = 0.3
     reach: float = 0.021
+    height: float = 0.1  # the first jam is that of 0.15 m
     imperfection: float = 0.0
     seed: int = 0
 
@@ -41,7 +41,7 @@ class Jam:
         whole = sim.double_helix(
             pi1=PI1,
             r=R,
-            height=HEIGHT,
+            height=self.height,
             elements_per_pitch=self.elements,
             speed=self.speed,
             imperfection=self.imperfection,

@@ -21,6 +21,7 @@ COLUMNS = [
 ]  # fmt: skip
 FINER_IS_LARGER = {"elements": True, "stiffness": True, "safety": False, "speed": False}
 IMPERFECTION = 0.02  # of the helix's curvature, in the ensemble
+SCATTER = 0.5  # in log(error), about a power law that is worth stating
 
 
 class Series(NamedTuple):
@@ -57,10 +58,12 @@ def all_series(quick: bool) -> list[Series]:
     return [
         vary("cantilever", rod, "elements", (4, 8, 16, 32, 64, *([128, 256] * more))),
         vary("cantilever", rod, "safety", steps),
-        vary("capstan", strand, "elements", (5, 7, 10, 14, 20, *([28, 40] * more))),
+        vary("capstan", strand, "elements", (2, 3, 5, 7, 10, 14, 20, *([28, 40] * more))),
         vary("capstan", strand, "safety", steps),
         vary("capstan", strand, "speed", (*([0.005] * more), 0.01, 0.02, 0.05, 0.1)),
-        vary("capstan", strand, "stiffness", (1.25e-5, 4e-5, 1.25e-4, 4e-4, *([4e-3] * more))),
+        vary(
+            "capstan", strand, "stiffness", (4e-6, 1.25e-5, 4e-5, 1.25e-4, 4e-4, *([4e-3] * more))
+        ),
         vary("capstan, mu = 0.1", Capstan(friction=0.1), "wrap", wraps),
         vary("capstan, mu = 0.3", strand, "wrap", wraps),
         vary("first jam", helix, "elements", (6, 8, 12, 16, 24, *([36, 48] * more))),
@@ -71,8 +74,8 @@ def all_series(quick: bool) -> list[Series]:
 
 
 def all_teeth(quick: bool) -> Teeth:
-    """Return the longer combings, over 45 mm or 80 mm, and 4 or 16 perturbed ones."""
-    base = Jam(reach=0.045 if quick else 0.08)
+    """Return the longer combings, over 60 mm or 100 mm, and 4 or 16 perturbed ones."""
+    base = Jam(reach=0.06 if quick else 0.1, height=0.15)
     meshes = {
         "12 elements, 0.2 m/s": base,
         "16 elements, 0.2 m/s": replace(base, elements=16),
@@ -136,9 +139,14 @@ def _relative(quantity: float | None, reference: float | None) -> float:
     return quantity / reference - 1 if quantity and reference else math.nan
 
 
-def slope(rows: pd.DataFrame, x: str = "value") -> float:
-    """Return d log|error| / d log x over the rows of a series, NaN with fewer than three."""
-    used = rows[(rows["error"].abs() > 0) & (rows[x] > 0)]
+def slope(rows: pd.DataFrame) -> float:
+    """Return d log|error| / d log(value) over the rows of a series.
+
+    NaN where there are fewer than three, or where they follow no power law within SCATTER.
+    """
+    used = rows[rows["error"].abs() > 0]
     if len(used) < 3:
         return math.nan
-    return float(np.polyfit(np.log(used[x]), np.log(used["error"].abs()), 1)[0])
+    x, y = np.log(used["value"]), np.log(used["error"].abs())
+    (found, _), residuals, *_ = np.polyfit(x, y, 1, full=True)
+    return float(found) if residuals[0] < SCATTER**2 * len(used) else math.nan

@@ -40,8 +40,13 @@ def _knobs(table: pd.DataFrame) -> Iterator[str]:
         yield (
             f"  {case:18s} {knob:10s} {rows['value'].min():g} to {rows['value'].max():g}: error "
             f"{_percent(rows['error'].abs().max())} to {_percent(rows['error'].abs().min())}, "
-            f"slope {slope(rows):.1f}, time x {rows['relative_time'].max():.1f}{_unstable(rows)}"
+            f"{_law(rows)}, time x {rows['relative_time'].max():.1f}{_unstable(rows)}"
         )
+
+
+def _law(rows: pd.DataFrame) -> str:
+    found = slope(rows)
+    return "no slope" if math.isnan(found) else f"slope {found:.1f}"
 
 
 def _unstable(rows: pd.DataFrame) -> str:

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from combing.accuracy.study import slope
 from combing.figures.style import BAND, EXPERIMENT, SIMULATION, THEORY, new_figure, paper_style
@@ -12,7 +13,7 @@ METRE_TO_MM = 1e3
 COLOURS = {"elements": SIMULATION, "safety": THEORY, "speed": "#3b8a3e", "stiffness": "#7a4b9a"}
 LABELS = {
     "elements": "elements",
-    "safety": "fraction of the largest stable step",
+    "safety": "fraction of the stable step",
     "speed": "speed (m/s)",
     "stiffness": "contact stiffness / $E$",
 }
@@ -64,6 +65,9 @@ def _over_time(panel: Axes, rows: pd.DataFrame) -> None:
         panel.loglog(one["seconds"], one["error"].abs(), "o-", ms=3, lw=0.8, color=COLOURS[knob],
                      label=knob)  # fmt: skip
     panel.set_xlabel("processor time (s)")
+    panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    panel.xaxis.set_major_formatter("{x:g}")
+    panel.xaxis.set_minor_formatter(NullFormatter())
     panel.legend(fontsize=7)
     _widen(panel, rows.loc[rows["error"].abs() > 0, "error"].abs())
 

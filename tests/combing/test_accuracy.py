@@ -36,6 +36,12 @@ def test_error_of_a_cantilever_falls_with_the_square_of_its_elements(cantilevers
     assert rows["error"].iloc[-1] == pytest.approx(0, abs=2e-3)
 
 
+def test_errors_without_a_power_law_have_no_slope():
+    rows = pd.DataFrame({"value": [1, 2, 4, 8], "error": [1e-2, 1e-4, 1e-2, -1e-4]})
+    assert math.isnan(study.slope(rows))
+    assert study.slope(rows.assign(error=1 / rows["value"])) == pytest.approx(-1)
+
+
 def test_the_time_step_does_not_matter_at_rest(cantilevers):
     rows = cantilevers[cantilevers["knob"] == "safety"]
     assert np.ptp(rows["quantity"]) < 1e-6 * rows["quantity"].mean()
