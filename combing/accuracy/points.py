@@ -15,6 +15,7 @@ from combing.accuracy.measurement import Measurement, Problem
 from combing.errors import UserError
 from combing.runs import model_version
 from sim import Unstable
+from sim.compilation import compile_for
 from sim.explicit import Explicit
 from sim.kernels.compiled import CACHE
 from sim.run import replacing
@@ -60,7 +61,9 @@ def measure_all(
 def measured(problem: Problem) -> Measurement:
     """Return a problem's measurement, without a quantity if its run became unstable."""
     try:
-        Explicit(problem.scene()).advance(1)  # compiles, which is no part of the cost
+        scene = problem.scene()
+        compile_for(scene)
+        Explicit(scene).advance(1)  # loads the kernels, which is no part of the cost
         return problem.measure()
     except Unstable:
         return Measurement(quantity=None)
