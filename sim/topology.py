@@ -72,20 +72,34 @@ def twist(centreline: ArrayLike, normals: ArrayLike) -> float:
 
     Notes
     -----
-    Each element's frames are compared after parallel transport along the chord (Langer & Singer,
-    SIAM Rev. 38, 605 (1996)), which is exact for a polyline ribbon.
+    A polyline's twist sits on its chords, between the normals at both ends, and at its corners: a
+    normal that leans along one chord is not the next chord's after parallel transport (Langer &
+    Singer, SIAM Rev. 38, 605 (1996)). Exact: with the writhe it adds up to the link of the curve
+    and a ribbon's edge close to it. A closed curve repeats its first node and normal.
     """
-    curve = _curve(centreline)
+    curve, ribbon = _curve(centreline), np.asarray(normals, float)
     tangents = np.diff(curve, axis=0)
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
-    return float(twist_angles(tangents, np.asarray(normals, float)).sum() / (2 * np.pi))
+    total = _turn(tangents, _across(ribbon[:-1], tangents), _across(ribbon[1:], tangents)).sum()
+    if np.array_equal(curve[0], curve[-1]):
+        tangents, ribbon = np.vstack([tangents, tangents[:1]]), np.vstack([ribbon, ribbon[1:2]])
+    return float((total + corner_angles(tangents, ribbon[1:-1]).sum()) / (2 * np.pi))
 
 
-def twist_angles(tangents: Array, normals: Array) -> Array:
-    """Return the angle by which the normals turn about each chord [rad], (n - 1,)."""
-    start = _across(normals[:-1], tangents)
-    end = _across(normals[1:], tangents)
-    sine = np.einsum("ij,ij->i", tangents, np.cross(start, end))
+def corner_angles(tangents: Array, normals: Array) -> Array:
+    """Return the twist of a ribbon at its corners [rad], from n chords, n - 1 normals between."""
+    before, after = tangents[:-1], tangents[1:]
+    axis = np.cross(before, after)
+    cosine = np.einsum("ij,ij->i", before, after)[:, None]
+    start = _across(normals, before)
+    lift = np.einsum("ij,ij->i", axis, start)[:, None] / np.maximum(1 + cosine, 1e-12)
+    carried = cosine * start + np.cross(axis, start) + lift * axis
+    return _turn(after, carried, _across(normals, after))
+
+
+def _turn(axes: Array, start: Array, end: Array) -> Array:
+    """Return the angle from `start` to `end` about unit axes normal to both [rad], (n,)."""
+    sine = np.einsum("ij,ij->i", axes, np.cross(start, end))
     return np.arctan2(sine, np.einsum("ij,ij->i", start, end))
 
 
