@@ -35,7 +35,7 @@ def refuse_fill_values(where: str, quantity: str, values: np.ndarray, lines: Seq
 
 def refuse_torn_decimals(where: str, columns: Sequence[np.ndarray], time: np.ndarray) -> None:
     """Refuse whole numbers only whose times mostly repeat: what decimal commas leave of 0,1 0,2."""
-    if len(time) < 4 or np.median(np.diff(time)) != 0:
+    if len(time) < 50 or np.median(np.diff(time)) != 0:
         return
     if all(np.array_equal(values, np.round(values)) for values in columns):
         raise Unreadable(

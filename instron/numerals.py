@@ -123,11 +123,11 @@ def _refuse_lost_decimals(
     whole = [i for i in odd if _WHOLE_MILLIONS.fullmatch(texts[i])]
     if not whole or len(whole) == len(values):
         return
-    others = np.delete(np.abs(values), whole)
-    if abs(values[whole[0]]) > 100 * np.nanmax(others, initial=0.0):
+    times = abs(values[whole[0]]) / np.nanmax(np.delete(np.abs(values), whole), initial=1e-9)
+    if times > 100:
         reason = "is over 100 times every other value"
-    elif len(_decimals(texts, whole, mark)) == 1:
-        reason = "alone has no decimals"
+    elif times > 10 and len(_decimals(texts, whole, mark)) == 1:
+        reason = "alone has no decimals and is over 10 times every other value"
     else:
         return
     raise Unclear(

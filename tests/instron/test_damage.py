@@ -89,7 +89,7 @@ REFUSED = {
     "broken grouping": (with_row('2.00,1.0000,"1,42.96"'), "line 23: '1,42.96' is not a number"),
     "lost decimal point beside grouped numbers": (
         HEAD
-        + "".join(f'{i},{i / 8:.3f},"{9e5 + i * 7e4:,.1f}"\n' for i in range(9))
+        + "".join(f'{i},{i / 8:.3f},"{9e4 + i * 7e3:,.1f}"\n' for i in range(9))
         + '9,1.125,"1,539,375"\n',
         "line 12: '1,539,375' alone has no decimals",
     ),
