@@ -100,7 +100,7 @@ def from_grid(
 
 
 def _grey(photo: Photo) -> np.ndarray:
-    return np.round(255 * photo.rgb().mean(axis=2)).astype(np.uint8)
+    return cv2.transform(photo.eight_bits(), np.full((1, 3), 1 / 3))
 
 
 def _markers(photo: Photo) -> Markers:

@@ -43,7 +43,7 @@ def draw_overlay(
 
     A crossing is a ring; the bar in it lies along the strand on top, and is missing when unknown.
     """
-    picture = np.round(255 * photo.rgb()).astype(np.uint8)
+    picture = photo.eight_bits().copy()
     thick = _thickness(segmentation)
     for strand in strands:
         ink = _ink(segmentation.colours[strand.colour])
@@ -123,7 +123,7 @@ def overlay_svg(
     SVG counts from the corner of the first pixel: picture points are shifted by half a pixel.
     """
     height, width = photo.shape
-    bgr = np.round(255 * photo.rgb()[..., ::-1]).astype(np.uint8)
+    bgr = photo.eight_bits()[..., ::-1]
     jpeg = base64.b64encode(cv2.imencode(".jpg", bgr)[1].tobytes()).decode()
     lines = [_svg_strand(i, s, segmentation) for i, s in enumerate(strands, start=1)]
     radius = RING_RADIUS * segmentation.width

@@ -53,6 +53,12 @@ class Photo:
         full = np.float32(np.iinfo(self.pixels.dtype).max)
         return np.divide(self.pixels, full, dtype=np.float32)
 
+    def eight_bits(self) -> np.ndarray:
+        """Return sRGB-coded uint8, shape (h, w, 3); not a copy where the photograph is that."""
+        if self.pixels.dtype == np.uint8:
+            return self.pixels
+        return np.round(self.pixels / np.float32(257)).astype(np.uint8)
+
 
 def read_photo(
     path: str | Path,

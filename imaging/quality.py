@@ -54,7 +54,7 @@ def edge_blur(photo: Photo, width: float, strands: Sequence[Strand]) -> float:
     pixel. The shading of a tube counts as blur too, so this is an upper bound; a strand blurred
     by its own width or more is a Gaussian, whose ratio of this to its half-contrast width is 0.28.
     """
-    lab = cv2.cvtColor(photo.rgb(), cv2.COLOR_RGB2Lab)
+    full = np.float32(np.iinfo(photo.pixels.dtype).max)
     steps = width * np.arange(0, REACH, STEP)[:, None]
     found = []
     for strand in strands:
@@ -62,8 +62,9 @@ def edge_blur(photo: Photo, width: float, strands: Sequence[Strand]) -> float:
         points, across = strand.line[rows], normals(strand.line)[rows]
         for side in (-1, 1):
             at = [points[:, i] + side * steps * across[:, i] for i in (1, 0)]
-            colour = np.stack([map_coordinates(lab[..., c], at, order=1, mode="nearest")
-                               for c in range(3)], -1)  # fmt: skip
+            rgb = [map_coordinates(photo.pixels[..., c], at, np.float32, order=1, mode="nearest")
+                   for c in range(3)]  # fmt: skip
+            colour = cv2.cvtColor(np.stack(rgb, axis=-1) / full, cv2.COLOR_RGB2Lab)
             contrast = np.linalg.norm(colour - colour[-1:], axis=-1)
             slope = -np.diff(contrast, axis=0).min(axis=0, initial=0) / (STEP * width)
             found.append(contrast.max(axis=0, initial=0) / np.maximum(slope, 1e-6))

@@ -155,7 +155,7 @@ def from_marker(photo: Photo, side: float, *, perspective: bool = False) -> tupl
 
 def find_marker(photo: Photo) -> np.ndarray:
     """Return the corners of the only ArUco marker, (4, 2) [px], clockwise from its top left."""
-    grey = np.round(255 * photo.rgb().mean(axis=2)).astype(np.uint8)
+    grey = cv2.transform(photo.eight_bits(), np.full((1, 3), 1 / 3))
     settings = cv2.aruco.DetectorParameters()
     settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
     for name in DICTIONARIES:
