@@ -142,9 +142,9 @@ class Capstan:
         bend = SOFT.E * math.pi * RADIUS**4 / 4 / (2 * PATH**2)
         slid = SLIDE + 0.5 * self.span
         rate = exponent(self.friction)
-        growth = math.exp(rate * self.wrap)
+        arc = math.expm1(rate * self.wrap) / rate if rate > 0 else self.wrap
         arriving = tension() + drag * (self.free - slid) - bend
-        leaving = arriving * growth + drag * PATH * (growth - 1) / rate + bend
+        leaving = arriving * math.exp(rate * self.wrap) + drag * PATH * arc + bend
         return (leaving + drag * (self.free + slid)) / tension()
 
 

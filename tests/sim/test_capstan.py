@@ -28,5 +28,8 @@ def test_capstan(mu, half_turns):
 
 @pytest.mark.slow
 def test_without_friction_the_tension_is_the_same_on_both_sides():
-    found = Capstan(friction=0.0)
-    assert found.measure().quantity == pytest.approx(1.0, abs=0.01)
+    """But for the drag that the strand meets on its way, drag rho v L/(strain E) = 0.75 %."""
+    found = Capstan(friction=0.0).measure()
+    assert found.textbook == 1.0
+    assert found.quantity == pytest.approx(found.closed_form, abs=5e-4)
+    assert found.closed_form == pytest.approx(1.0075, abs=1e-4)
