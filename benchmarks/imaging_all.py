@@ -32,7 +32,7 @@ GOOD, BAD = 4, 8  # tiles on a sheet
 CURLS = 12  # drawn curls from which the sheet's are chosen
 COLUMNS, TILE = 4, (300, 400)  # px wide and high
 STRIP = 22  # px; the caption under a tile
-INKS = 96  # colours of a sheet, so that it stays small
+INKS = 40  # colours of a sheet, so that it stays small
 
 
 class Tile(NamedTuple):
