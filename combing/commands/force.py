@@ -14,6 +14,7 @@ from tqdm import tqdm
 import instron
 from combing.errors import UserError
 
+FEWEST = 4  # repeats for which the band's coverage was measured to hold
 SUFFIXES = {".csv", ".txt", ".tra", ".dat", ".tsv"}
 
 
@@ -168,6 +169,8 @@ def _summary_text(
     if result is not None:
         text += "\n\nover the repeats (interval of the mean at 95 %)\n"
         text += result.summary.to_string(float_format=lambda v: f"{v:.5g}")
+        if len(curves) < FEWEST:
+            text += f"\nfewer than {FEWEST} repeats: the band of mean.csv covers less than it says"
         if result.registered is None:
             text += f"\nno registered mean: {result.unregistered_because}"
     return text + (f"\nwritten to {output}" if output else "")

@@ -44,6 +44,7 @@ def test_a_folder_of_repeats_becomes_tables_and_a_figure(bench, capsys):
     code, out, err = run(capsys, "runs", "--rig", "rig.toml", "-o", "out", "--active-length", "0.1")
     assert (code, err) == (0, "")
     assert "helix 1" in out
+    assert "fewer than 4 repeats" in out
     written = {path.name for path in (bench / "out").iterdir()}
     assert {"curves.csv", "mean.csv", "repeats.csv", "summary.csv", "events.csv", "theory.csv",
             "force.png", "force.svg", "section.html"} <= written  # fmt: skip
