@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import sim
+from sim.explicit import explicit
 from sim.kernels.compiled import source_digest
-from sim.scene import Damping, Friction
+from sim.scene import Damping, Friction, Output
 
 
 @pytest.fixture(scope="module")
@@ -161,3 +162,39 @@ def test_an_edited_callee_is_recompiled(tmp_path):
     assert edited != text
     vectors.write_text(edited)
     assert call() != before
+
+
+@pytest.mark.slow  # compiles for a minute
+def test_the_ledger_of_energy_is_recorded_beside_the_force():
+    """Put in less lost is stored: the balance stays, to a hundredth of the work of the tine."""
+    scene = sim.double_helix(pi1=24, turns=2, q=1, elements_per_pitch=8, friction=0.2)
+    tine = scene.tines[0].model_copy(update={"insertion": 5e-3})
+    output = Output(sample_rate=2e3, energy=True)
+    scene = scene.model_copy(update={"tines": [tine], "duration": 0.02, "output": output})
+    data = sim.simulate(scene).data
+    assert data["energy_kinetic"].attrs["units"] == "J"
+    np.testing.assert_allclose(data["energy_time"] - data["time"], 0.5 / 2e3, rtol=1e-6)
+    balance, work = (np.asarray(data[f"energy_{name}"]) for name in ("balance", "work_tines"))
+    assert work[-1] > 0
+    assert np.ptp(balance) < 0.01 * work[-1]
+
+
+def test_force_is_that_on_the_tines_of_a_comb_and_not_on_fixed_ones():
+    scene = sim.double_helix(pi1=24, turns=3, q=2, elements_per_pitch=8)
+    first = scene.tines[0].model_copy(update={"insertion": 5e-3})
+    pitch = 24 * 4.25e-4
+    below = {"position": (0.0, 0.0, first.position[2] - pitch)}
+    peg = {"position": (0.0, 0.0, first.position[2] + pitch / 2), "speed": 0.0, "travel": 0.0}
+    tines = [first.model_copy(update=peg), first, first.model_copy(update=below)]
+    scene = scene.model_copy(
+        update={"tines": tines, "duration": 0.012, "output": Output(sample_rate=1e3)}
+    )
+    log, march = sim.simulate(scene).force_log(), explicit(scene)
+    march.advance(round(0.011 / march.dt))
+    march.take_load()
+    steps = round(1e-3 / march.dt)
+    march.advance(steps)
+    on_tines = march.take_load()[:, 2] / steps
+    assert abs(on_tines).min() > 1e-4
+    assert log.force.iloc[-1] == pytest.approx(on_tines[1] + on_tines[2], rel=1e-9)
+    assert log.displacement.iloc[-1] == pytest.approx(march.tine_travel()[1], rel=0.2)
