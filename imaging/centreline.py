@@ -1,5 +1,6 @@
 """Sub-pixel centrelines: midpoints of the two half-contrast edges, smoothed along the strand."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import cv2
@@ -7,13 +8,15 @@ import numpy as np
 from scipy import ndimage
 from scipy.linalg import solveh_banded
 
-SAMPLES = 24  # across a strand's width
+SAMPLES = 16  # across a strand's width
+FINEST = 0.35  # px between samples; a picture holds no more
 BEYOND = 0.75  # px beyond an edge where the background must show, or else the edge is hidden
 SEARCH = 0.8  # strand widths; how far a rough centreline may be from what is seen of its strand
 SHORTEST_WAVE = 4.0  # strand widths; shorter wiggles are taken for noise
 # Calibrated on rendered curls (shading, highlight, blur, uneven light):
 SHADING_SD = 0.018  # strand widths; both edges seen, moved by shading and highlight
-ONE_EDGE_SD = 0.05  # strand widths more, where the other edge is taken from the width elsewhere
+ONE_EDGE_SD = 0.07  # strand widths more, where an edge is hidden
+VALLEY = 0.015  # strand widths for each unit of sd in which a strand could be as well
 HIDDEN_GROWTH = 0.15  # px of sd per px^1.5 of distance to the nearest visible point, over w^0.5
 
 
@@ -57,7 +60,7 @@ def edges(
     low, high : (n,) arrays
         NaN where the edge is hidden or not found within 1.5 widths.
     """
-    step = max(width / SAMPLES, 0.25)
+    step = max(width / SAMPLES, FINEST)
     reach = int(np.ceil(1.5 * width / step))
     across = step * np.arange(-reach, reach + 1)
     at = line[:, None] + across[None, :, None] * normals(line)[:, None]
@@ -71,7 +74,7 @@ def edges(
 
 
 def sample(field: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Return bilinear values (n, m) of `field` at points (n, m, 2), 0 outside."""
+    """Return bilinear values (n, m) or (n, m, 3) of a picture at points (n, m, 2), 0 outside."""
     points = at.astype(np.float32)
     # cv2.remap takes pictures of at most 32767 rows
     blocks = [
@@ -129,23 +132,36 @@ class Centreline(NamedTuple):
     edges: np.ndarray
 
 
-def refine(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> Centreline:
+def refine(
+    line: np.ndarray,
+    own: np.ndarray,
+    strand: np.ndarray,
+    width: float,
+    *,
+    rounds: int = 2,
+    place: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None,
+) -> Centreline:
     """Move a rough centreline (n, 2) to the middle between the strand's edges.
 
     Where one edge is hidden the other is used with the strand's local width; where both are
-    hidden the smoothing spline bridges with least bending.
+    hidden the smoothing spline bridges with least bending. `place`, if given, is asked instead for
+    the offset and its relative sd wherever an edge is hidden.
     """
     even = resample(line)
     smooth = _smoothed(even, np.ones(len(even)), width)
-    for _ in range(2):  # again on the moved line, whose normals are better
+    for _ in range(rounds):  # again on the moved line, whose normals are better
         smooth = resample(smooth)
         low, high = edges(smooth, own, strand, width)
         local = _local_width(low, high, width)
         offset, sd = _offsets(low, high, local)
+        if place is not None:
+            unsure = sd != 1
+            there, spread = place(smooth, unsure)
+            offset, sd = np.where(unsure, there, offset), np.where(unsure, spread, sd)
         moved = smooth + offset[:, None] * normals(smooth)
         smooth = _smoothed(moved, np.where(np.isfinite(sd), 1 / np.square(sd), 0), width)
     seen = np.where(np.isfinite(sd), np.isfinite(low).astype(int) + np.isfinite(high), 0)
-    return Centreline(smooth, local, _spread(moved, smooth, sd, width), seen)
+    return Centreline(smooth, local, _spread(moved, smooth, sd, seen == 2, width), seen)
 
 
 def _local_width(low: np.ndarray, high: np.ndarray, width: float) -> np.ndarray:
@@ -194,7 +210,9 @@ def _smoothed(points: np.ndarray, weight: np.ndarray, width: float) -> np.ndarra
     return solveh_banded(band, w[:, None] * points)
 
 
-def _spread(moved: np.ndarray, smooth: np.ndarray, sd: np.ndarray, width: float) -> np.ndarray:
+def _spread(
+    moved: np.ndarray, smooth: np.ndarray, sd: np.ndarray, both: np.ndarray, width: float
+) -> np.ndarray:
     """Estimate the standard deviation of the smoothed centreline [px]."""
     seen = np.isfinite(sd)
     if not seen.any():
@@ -206,5 +224,6 @@ def _spread(moved: np.ndarray, smooth: np.ndarray, sd: np.ndarray, width: float)
     right = at[np.searchsorted(at, index).clip(0, len(at) - 1)]
     left = at[(np.searchsorted(at, index, side="right") - 1).clip(0, len(at) - 1)]
     away = np.minimum(np.abs(index - left), np.abs(right - index))
-    bias = width * np.where(sd == 1, SHADING_SD, np.hypot(SHADING_SD, ONE_EDGE_SD))
-    return np.sqrt(noise**2 + bias**2 + (HIDDEN_GROWTH * away**1.5) ** 2 / width)
+    bias = width * np.where(both, SHADING_SD, np.hypot(SHADING_SD, ONE_EDGE_SD))
+    growth = HIDDEN_GROWTH * away**1.5 / np.sqrt(width)
+    return np.sqrt(noise**2 + bias**2 + growth**2 + (VALLEY * width * np.where(seen, sd, 0)) ** 2)

@@ -1,5 +1,6 @@
 """Join the pieces of a colour into strands: one global matching of their ends."""
 
+from collections.abc import Sequence
 from itertools import product
 
 import networkx as nx  # type: ignore[import-untyped]
@@ -7,32 +8,35 @@ import numpy as np
 
 from imaging.branches import End
 
-GIVE_UP = 20.0  # cost of leaving an end of a long piece unjoined
-LONG = 5.0  # strand widths; the end of a shorter piece is given up more cheaply, in proportion
+GIVE_UP = 20.0  # cost of each end of a strand
+LONG = 5.0  # strand widths; a shorter piece is left out more cheaply, in proportion
 TURN = 0.30  # rad; typical turn between an end's direction and the chord to its partner
 TURN_PER_WIDTH = 0.02  # rad more for each strand width of gap
 PLACE = 0.2  # strand widths; how well the place of an end is known
 EXPOSED = 6.0  # cost of each strand width of a join that should be seen but is not
 OWN = 2.0  # cost of each strand width of a join under what is seen of its own colour
+BULGES = np.linspace(-1, 1, 5)  # strand widths; sideways bends of a join that are tried
 DISTANCE = 0.1  # cost of each strand width of gap
 FARTHEST = 60.0  # strand widths
 
 
 def join(
-    ends: list[End], lengths: np.ndarray, covered: np.ndarray, own: np.ndarray, width: float
+    ends: list[End], lengths: Sequence[float], covered: np.ndarray, own: np.ndarray, width: float
 ) -> list[tuple[int, int]]:
     """Choose the joins of least total cost.
 
     A join costs its bending (turn at both ends over what is usual for its length), the length
     that runs over open background or under its own colour, where it would have to cross itself,
-    and a little for its length. Each end is joined at most once.
-    The best set is a maximum-weight matching (Edmonds' blossom algorithm).
+    and a little for its length. Each end is joined at most once. A strand that ends costs the same
+    everywhere; a short piece may be left out of every strand more cheaply, as an edge between its
+    own two ends. The best set is a maximum-weight matching (Edmonds' blossom algorithm).
 
     Parameters
     ----------
     ends : list of End
-    lengths : array
-        Length of the piece each end belongs to [px].
+        Those of piece i are 2 i and 2 i + 1.
+    lengths : sequence of float
+        Of the pieces [px].
     covered : (h, w) bool array
         Where a strand may hide: under any strand.
     own : (h, w) bool array
@@ -45,16 +49,18 @@ def join(
     list of (int, int)
         Indices into `ends`.
     """
-    spare = GIVE_UP * np.minimum(1, np.asarray(lengths) / (LONG * width))
     graph = nx.Graph()
-    for i, j, gain in _candidates(ends, spare, covered, own, width):
+    for i, j, gain in _candidates(ends, covered, own, width):
         graph.add_edge(i, j, weight=gain)
+    for i, length in enumerate(lengths):
+        if length < LONG * width:
+            graph.add_edge(2 * i, 2 * i + 1, weight=2 * GIVE_UP * (1 - length / (LONG * width)))
     joins = [(min(a, b), max(a, b)) for a, b in nx.max_weight_matching(graph)]
-    return _without_rings(sorted(joins), graph, ends)
+    return _without_rings(sorted(j for j in joins if j[0] // 2 != j[1] // 2), graph, ends)
 
 
 def _candidates(
-    ends: list[End], spare: np.ndarray, covered: np.ndarray, own: np.ndarray, width: float
+    ends: list[End], covered: np.ndarray, own: np.ndarray, width: float
 ) -> list[tuple[int, int, float]]:
     """Pairs of ends whose join costs less than leaving both, and how much less."""
     if len(ends) < 4:
@@ -64,16 +70,33 @@ def _candidates(
     branch = np.array([e.branch for e in ends])
     i, j = np.nonzero(np.triu(branch[:, None] != branch[None, :], 1))
     bend, gap = _bending(points[i], directions[i], points[j], directions[j], width)
-    gain = spare[i] + spare[j] - bend - DISTANCE * gap / width
+    gain = 2 * GIVE_UP - bend - DISTANCE * gap / width
     good = (gain > 0) & (gap < FARTHEST * width)
     found = []
-    bare = ~covered
     for a, b, most in zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True):
-        path = bridge(ends[a], ends[b])
-        left = most - (EXPOSED * _length(path, bare) + OWN * _length(path, own)) / width
+        left = most - _toll(bridge(ends[a], ends[b]), covered, own, width)
         if left > 0:
             found.append((a, b, left))
     return found
+
+
+def _toll(path: np.ndarray, covered: np.ndarray, own: np.ndarray, width: float) -> float:
+    """Cost of what a join runs over, of several that bulge to one side or the other.
+
+    Where a strand disappears its last direction is not well known: a bulge of h over a gap g turns
+    both ends by 4 h/g, which costs what any turn does.
+    """
+    chord = path[-1] - path[0]
+    gap = max(float(np.hypot(*chord)), 1e-6)
+    bulge = width * BULGES
+    v = np.linspace(0, 1, len(path))
+    aside = np.outer(4 * v * (1 - v), [-chord[1], chord[0]]) / gap
+    x, y = np.rint(path + bulge[:, None, None] * aside).astype(int).transpose(2, 0, 1)
+    height, across = covered.shape
+    inside = (x >= 0) & (y >= 0) & (x < across) & (y < height)
+    at = y.clip(0, height - 1), x.clip(0, across - 1)
+    over = ((EXPOSED * ~covered[at] + OWN * own[at]) * inside).sum(axis=1) / width
+    return float((over + 2 * (4 * bulge / (gap * TURN)) ** 2).min())
 
 
 def _bending(
@@ -107,14 +130,6 @@ def bridge(a: End, b: End) -> np.ndarray:
         + (3 * v**2 - 2 * v**3) * b.point
         - (v**3 - v**2) * gap * b.direction
     )
-
-
-def _length(path: np.ndarray, where: np.ndarray) -> int:
-    """Pixels of a path that lie where a mask is true."""
-    x, y = np.round(path).astype(int).T
-    height, across = where.shape
-    inside = (x >= 0) & (y >= 0) & (x < across) & (y < height)
-    return int((inside & where[y.clip(0, height - 1), x.clip(0, across - 1)]).sum())
 
 
 def _without_rings(

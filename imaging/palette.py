@@ -8,6 +8,8 @@ CELL = 3.0  # side of a histogram cell, in units of 100 x (a, b)/(L + 16)
 RIM = 5  # empty cells around the histogram, more than its smoothing reaches
 LIGHTNESS_WEIGHT = 0.35  # of log(L + 16) beside (a, b)/(L + 16)
 PROMINENCE = 0.5  # a mode of the histogram must rise this far above the pass to a higher one
+SPREAD = 0.2  # strand widths; how far a pixel's vote reaches (sd)
+BLUR = 0.9  # px; votes reach at least as far as a lens blurs
 RIDGE_SHARE = 0.02  # of all ridge pixels, below which a colour is not a strand
 
 
@@ -127,8 +129,8 @@ def vote(
 ) -> np.ndarray:
     """Label each strand pixel with the colour most of its neighbourhood shows.
 
-    Each pixel votes for the nearest colour; votes are spread over a fifth of a strand width, so
-    that highlights, noise and mixtures at edges are outvoted.
+    Each pixel votes for the nearest colour; votes are spread over a fifth of a strand width,
+    so that highlights, noise and mixtures at edges are outvoted.
 
     Parameters
     ----------
@@ -148,7 +150,7 @@ def vote(
     """
     distance = np.stack([((features - centre) ** 2).sum(axis=1) for centre in centres])
     nearest = distance.argmin(axis=0)
-    sigma = max(0.2 * width, 0.6)
+    sigma = max(SPREAD * width, BLUR)
     votes = np.zeros(strand.shape, np.float32)
     tally = np.empty((len(centres), len(features)), np.float32)
     for colour in range(len(centres)):

@@ -10,7 +10,8 @@ Strategy:
 3. Colours are the dense places of the ridge pixels in a space where shading moves a colour little:
    (a, b)/(L + 16) is unchanged when the light is scaled, and log(L + 16) is kept at a low weight
    because strands may be black, white and grey.
-4. Every strand pixel takes the colour most of its neighbourhood, half a strand wide, votes for.
+4. Every strand pixel takes the colour most of its neighbourhood, half a strand wide, votes for;
+   a pixel where the colour changes (a rim, the border of two strands) has little say.
 """
 
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ FAINT = 0.25  # of the strands' contrast; fainter is shadow, reflection or textu
 BORDER = 0.5  # change of (L, a, b)/(L + 16), summed, that tells two strands from shading
 DEEPER = 1.25  # times the depth of a single strand; the border of two that touch lies deeper
 BLOCK = 3.0  # strand widths; a patch of one colour this wide is no strand
+JUST_NOTICED = 2.0  # Lab units; a smaller change of colour says nothing
 MIN_LENGTH = 5.0  # strand widths; a shorter blob is dirt
 NO_STRAND = (
     "what stands out from the background is no strand: it is not long or not of one colour; "
@@ -50,12 +52,15 @@ class Segmentation:
         Lab colour of each strand in its middle (L 0..100).
     width : float
         Typical strand width [px].
+    contrast : (h, w, 3) float32 array, optional
+        Lab colour above the background's, as it would be in even light.
     """
 
     labels: np.ndarray
     membership: np.ndarray
     colours: np.ndarray
     width: float
+    contrast: np.ndarray | None = None
 
 
 def segment(photo: Photo) -> Segmentation:
@@ -90,16 +95,27 @@ def segment(photo: Photo) -> Segmentation:
     centres, colours = find_colours(features[middle], pure[middle], width)
     if len(centres) == 0:
         raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
-    labels = vote(features, strand, centres, width, covered**4)
+    say = covered**4 / _change(lab, strand)
+    labels = vote(features, strand, centres, width, say)
     depth = _depth(labels)
     together, width = width, _typical_width(depth)
     if width < together / DEEPER:  # strands that touch: votes came from too far
-        labels = vote(features, strand, centres, width, covered**4)
+        labels = vote(features, strand, centres, width, say)
         depth = _depth(labels)
-    labels, colours = _with_enough(_without_blocks(labels, depth, width), colours, width)
+    labels = _without_blocks(labels, depth, width)
+    width = _strip_width(depth[labels > 0])
+    labels, colours = _with_enough(labels, colours, width)
     if len(colours) == 0:
         raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
-    return Segmentation(labels, _membership(labels, coverage, len(colours)), colours, width)
+    membership = _membership(labels, coverage, len(colours))
+    return Segmentation(labels, membership, colours, width, _contrast(lab, background))
+
+
+def _contrast(lab: np.ndarray, background: np.ndarray) -> np.ndarray:
+    """Colour above the background in even light: (L + 16, a, b) go with its cube root."""
+    level = background[..., 0] + np.float32(16)
+    above = cv2.subtract(lab, background)
+    return cv2.multiply(above, cv2.merge([np.float32(level.mean()) / level] * 3), dst=above)
 
 
 def background_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> np.ndarray:
@@ -216,6 +232,15 @@ def _middles(lab: np.ndarray, strand: np.ndarray, width: float) -> tuple[np.ndar
     )
 
 
+def _change(lab: np.ndarray, strand: np.ndarray) -> np.ndarray:
+    """Square of the colour's change per pixel [Lab units^2], noise included, in strand pixels."""
+    y, x = np.nonzero(strand)
+    height, width = strand.shape
+    down = lab[np.minimum(y + 1, height - 1), x] - lab[np.maximum(y - 1, 0), x]
+    right = lab[y, np.minimum(x + 1, width - 1)] - lab[y, np.maximum(x - 1, 0)]
+    return ((down**2 + right**2) / 4).sum(axis=1) + JUST_NOTICED**2
+
+
 def _hue(lab: np.ndarray) -> np.ndarray:
     return lab / (lab[..., :1] + 16)
 
@@ -227,6 +252,18 @@ def _typical_width(depth: np.ndarray) -> float:
         return 1.5
     quarter = len(depths) // 4
     return max(2 * float(depths[quarter : len(depths) - quarter].mean()) - 1, 1.5)
+
+
+def _strip_width(depth: np.ndarray) -> float:
+    """Width of the strip whose depths have this mean square over mean (w/3, at pixel centres).
+
+    Finer than the medial axis, which gives whole numbers, and thin rims of a wrong colour hardly
+    count; but a single clamp would outweigh all strands.
+    """
+    inside = depth[depth > 0] - 0.5
+    if len(inside) == 0:
+        return 1.5
+    return max(3 * float((inside**2).sum() / inside.sum()), 1.5)
 
 
 def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
@@ -270,14 +307,19 @@ def _with_enough(
 
 def _membership(labels: np.ndarray, coverage: np.ndarray, count: int) -> np.ndarray:
     """Coverage of each colour: shared out by who owns the nearest strand pixels."""
-    y, x = np.nonzero(coverage)
-    wide = np.pad(labels, 1, mode="reflect").astype(np.int16)
-    around = np.stack([wide[y + i, x + j] for i in range(3) for j in range(3)])
-    part = coverage[y, x] / np.maximum((around > 0).sum(axis=0), 1)
     membership = np.zeros((count, *labels.shape), np.float32)
+    total = _around((labels > 0).astype(np.uint8))
     for colour in range(count):
-        share = (around == colour + 1).sum(axis=0)
+        own = (labels == colour + 1).astype(np.uint8)
+        x, y, w, h = cv2.boundingRect(own)
+        box = np.s_[max(y - 1, 0) : y + h + 1, max(x - 1, 0) : x + w + 1]
+        share = _around(own[box])
         # Only where the colour is: pages of a large picture that stay zero are never touched.
-        own = share > 0
-        membership[colour, y[own], x[own]] = part[own] * share[own]
+        at = np.nonzero(share)
+        membership[colour][box][at] = coverage[box][at] * share[at] / total[box][at]
     return membership
+
+
+def _around(mask: np.ndarray) -> np.ndarray:
+    """Count the pixels of a mask in the 3 x 3 around each pixel."""
+    return cv2.boxFilter(mask, -1, (3, 3), normalize=False, borderType=cv2.BORDER_REFLECT)

@@ -6,18 +6,23 @@ much of the join lies in the open; move the joined line to the middle between th
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import cv2
 import numpy as np
 
 from imaging.branches import End, branches, ends_of
 from imaging.centreline import arclength, normals, refine, sample
+from imaging.contact import known as know
+from imaging.contact import place
 from imaging.matching import bridge, chains, join
 from imaging.photo import Photo
 from imaging.segment import Segmentation
 
+ROUNDS = 2  # of placing strands by what the others leave unexplained
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
 WHOLE = 3.0  # strand widths on which most of the width must be seen; else it is another's rim
+SEEN = 0.1  # of the length, the same
 SHARE = 0.3  # of the longest strand of the same colour; a shorter piece is a remnant
 
 
@@ -67,7 +72,36 @@ def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand
     strands = []
     for colour in range(len(segmentation.colours)):
         strands += _strands_of(segmentation, colour, covered, coverage)
+    if segmentation.contrast is None:
+        return strands
+    for _ in range(ROUNDS):
+        strands = _settled(strands, segmentation, coverage)
     return strands
+
+
+def _settled(
+    strands: list[Strand], segmentation: Segmentation, coverage: np.ndarray
+) -> list[Strand]:
+    """Place each strand anew where others hide its edges, all others as they are."""
+    picture = segmentation.contrast
+    assert picture is not None
+    known = [know(s.line, s.width, s.edges, picture) for s in strands]
+    found = []
+    for number, strand in enumerate(strands):
+        if (strand.edges == 2).all():
+            found.append(strand)
+            continue
+        others = [other for i, other in enumerate(known) if i != number]
+        fine = refine(
+            strand.line,
+            segmentation.membership[strand.colour],
+            coverage,
+            segmentation.width,
+            rounds=1,
+            place=partial(place, own=known[number], others=others, picture=picture),
+        )
+        found.append(Strand(*fine, strand.colour, strand.ends))
+    return found
 
 
 def _strands_of(
@@ -78,21 +112,22 @@ def _strands_of(
     mask = segmentation.labels == colour + 1
     paths = [_centred(path, own, coverage, width) for path in branches(mask, width)]
     ends = ends_of(paths, width)
-    lengths = np.repeat([arclength(path)[-1] for path in paths], 2)
+    lengths = [arclength(path)[-1] for path in paths]
     found = chains(len(paths), join(ends, lengths, covered, mask, width))
     lines = [_connected(walk, paths, ends) for walk in found]
     strands = [
         _strand(line, own, coverage, segmentation.labels, width, colour)
         for line in _long_enough(lines, width)
     ]
-    return [strand for strand in strands if _whole(strand, own, width).sum() > WHOLE * width]
+    return [strand for strand in strands if _is_whole(strand, own, width)]
 
 
-def _whole(strand: Strand, own: np.ndarray, width: float) -> np.ndarray:
-    """Where most of a strand's width is seen: both edges, or its colour well to both sides."""
+def _is_whole(strand: Strand, own: np.ndarray, width: float) -> bool:
+    """Tell a strand from another's rim: both edges, or its colour well to both sides, are seen."""
     aside = 0.35 * width * normals(strand.line)
     beside = np.stack([strand.line - aside, strand.line + aside], axis=1)
-    return (strand.edges == 2) | (sample(own, beside) >= 0.5).all(axis=1)
+    whole = (strand.edges == 2) | (sample(own, beside) >= 0.5).all(axis=1)
+    return bool(whole.sum() > max(WHOLE * width, SEEN * len(whole)))
 
 
 def _centred(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: float) -> np.ndarray:
