@@ -53,7 +53,7 @@ def all_series(quick: bool) -> list[Series]:
     """Return every knob of every case; quick leaves out the costly points."""
     more = not quick
     rod, strand, helix = Cantilever(), Capstan(), Jam()
-    steps = (0.25, 0.5, 0.75, 0.95)
+    steps = (*([0.25] * more), 0.5, 0.75, 0.95)
     wraps = (math.pi / 2, math.pi, 2 * math.pi)
     return [
         vary("cantilever", rod, "elements", (4, 8, 16, 32, 64, *([128, 256] * more))),
@@ -66,7 +66,7 @@ def all_series(quick: bool) -> list[Series]:
         ),
         vary("capstan, mu = 0.1", Capstan(friction=0.1), "wrap", wraps),
         vary("capstan, mu = 0.3", strand, "wrap", wraps),
-        vary("first jam", helix, "elements", (6, 8, 12, 16, 24, *([36, 48] * more))),
+        vary("first jam", helix, "elements", (6, 12, 18, 24, *([36, 48] * more))),
         vary("first jam", helix, "safety", steps),
         vary("first jam", helix, "speed", (*([0.05] * more), 0.1, 0.2, 0.4, 0.8)),
         vary("first jam", helix, "stiffness", (0.03, 0.1, 0.3, 1.0, *([3.0] * more))),
@@ -74,12 +74,12 @@ def all_series(quick: bool) -> list[Series]:
 
 
 def all_teeth(quick: bool) -> Teeth:
-    """Return the longer combings, over 60 mm or 100 mm, and 4 or 16 perturbed ones."""
-    base = Jam(reach=0.06 if quick else 0.1, height=0.15)
+    """Return the longer combings, over 50 mm or 100 mm, and 4 or 16 perturbed ones."""
+    base = Jam(reach=0.05 if quick else 0.1, height=0.15)
     meshes = {
         "12 elements, 0.2 m/s": base,
-        "16 elements, 0.2 m/s": replace(base, elements=16),
-        "12 elements, 0.1 m/s": replace(base, speed=0.1),
+        "18 elements, 0.2 m/s": replace(base, elements=18),
+        "12 elements, 0.3 m/s": replace(base, speed=0.3),
     }
     perturbed = {
         f"seed {seed}": replace(base, imperfection=IMPERFECTION, seed=seed)

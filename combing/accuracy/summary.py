@@ -46,7 +46,7 @@ def _knobs(table: pd.DataFrame) -> Iterator[str]:
 
 def _law(rows: pd.DataFrame) -> str:
     found = slope(rows)
-    return "no slope" if math.isnan(found) else f"slope {found:.1f}"
+    return "no slope" if math.isnan(found) else f"slope {found:z.1f}"
 
 
 def _unstable(rows: pd.DataFrame) -> str:

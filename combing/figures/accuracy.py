@@ -54,7 +54,7 @@ def _over_knob(panel: Axes, rows: pd.DataFrame, label: str, unit: str) -> None:
     panel.loglog(seen["value"], seen["error"].abs(), "o-", ms=4, color=COLOURS[knob])
     panel.set_xlabel(label + (unit if knob == "elements" else ""))
     if not np.isnan(slope(rows)):
-        panel.set_title(f"slope {slope(rows):.1f}", loc="right", pad=3)
+        panel.set_title(f"slope {slope(rows):z.1f}", loc="right", pad=3)
     _widen(panel, seen["error"].abs())
     _plain_ticks(panel, seen["value"])
 
@@ -65,7 +65,7 @@ def _over_time(panel: Axes, rows: pd.DataFrame) -> None:
         panel.loglog(one["seconds"], one["error"].abs(), "o-", ms=3, lw=0.8, color=COLOURS[knob],
                      label=knob)  # fmt: skip
     panel.set_xlabel("processor time (s)")
-    panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    panel.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
     panel.xaxis.set_major_formatter("{x:g}")
     panel.xaxis.set_minor_formatter(NullFormatter())
     panel.legend(fontsize=7)
