@@ -14,8 +14,8 @@ from imaging.trace import Strand
 
 DICTIONARIES = ("DICT_4X4_50", "DICT_5X5_50", "DICT_6X6_50", "DICT_ARUCO_ORIGINAL")
 CORNER_SD = 0.15  # px; refined corners of a board
-# Blur rounds a marker's corners: its sides come out 0.19, 0.25, 0.51 px short at a blur of 0.5, 0.8,
-# 1.5 px. Cameras sharpen again by an unknown amount, so this is stated and not corrected.
+# Blur rounds a marker's corners: its sides come out 0.19, 0.25, 0.51 px short at a blur of 0.5,
+# 0.8, 1.5 px. Cameras sharpen again by an unknown amount, so this is stated and not corrected.
 SIDE_SD = 0.4  # px
 EDGE_BIAS = 0.15  # of the width; -15 % on white, +12 % on black, measured on rendered tubes
 CLICK_SD = 0.7  # px; a ruler's end read off the screen
