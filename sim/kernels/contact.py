@@ -1,14 +1,7 @@
-"""Contact of a segment with a polyline as an integral along the segment.
+"""Contact and friction between elements of rods; the contact integral is in `sim.kernels.overlap`.
 
-The potential between strand A and strand B is a line integral over A,
-
-    U = integral 1/2 k (reach - d(s))_+^2 ds,      d(s) = distance from x_A(s) to polyline B,
-
-so the force varies continuously as one strand slides along another, whatever their angle and
-whether they are parallel, and no closest-point problem between two segments is solved. Space
-around B is divided among its elements by the planes that bisect the angle at each node; every
-point of A then has one owner, so nothing counts twice. On the plane the distances to the two
-elements are equal, hence U has no jump.
+The pairs in play are pressed a batch at a time: gathered into rows of a small work space, where the
+compiler vectorises the integral, and scattered to the nodes, in the same order at every step.
 """
 
 import math
@@ -18,21 +11,20 @@ import numpy as np
 
 from sim.kernels.compiled import formula, kernel
 from sim.kernels.layout import *  # noqa: F403
+from sim.kernels.neighbours import keep_in_play
+from sim.kernels.overlap import *  # noqa: F403
 from sim.kernels.vectors import along, at, cross, dot, minus, push, spin, to_body
-
-# Gauss-Legendre nodes and weights on [0, 1]: exact to degree 5, for a smooth integrand.
-GAUSS = (
-    (0.5 - math.sqrt(0.15), 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.5 + math.sqrt(0.15), 5.0 / 18.0),
-)
 
 
 class Contact(NamedTuple):
     """Contact between elements of rods: line stiffness k [N/m^2] and the neighbour list.
 
-    Candidates for element a are ``partner[start[a]:start[a + 1]]``; `slip` holds the tangential
-    displacement [m] of each pair. `rod` and `arc` tell which rod an element is on and where.
+    Candidates for element a are ``partner[start[a]:start[a + 1]]``, those in play come first, up to
+    ``stop[a]``; `anchor` (3, n) are the nodes when that was found out, `play` (2,) is how far they
+    may move until it is found out anew [m] and the number of steps since. `slip` holds the
+    tangential displacement [m] of each pair, one row without friction. `rod` and `arc` tell which
+    rod an element is on and where. `batch` (3, BATCH) and `work` (WORK,): element, partner and
+    number of the pairs that are pressed together, and their columns (`sim.kernels.overlap`).
     """
 
     stiffness: float
@@ -43,6 +35,11 @@ class Contact(NamedTuple):
     start: np.ndarray
     partner: np.ndarray
     slip: np.ndarray
+    stop: np.ndarray
+    anchor: np.ndarray
+    play: np.ndarray
+    batch: np.ndarray
+    work: np.ndarray
 
 
 class Friction(NamedTuple):
@@ -73,118 +70,81 @@ def wedges(buf, n):
 
 
 @formula
-def clip(low, high, at_0, at_1):
-    """Return the part of [low, high] where the linear function from at_0 to at_1 is positive."""
-    if at_0 < 0.0 and at_1 < 0.0:
-        return 1.0, 0.0
-    if at_0 < 0.0:
-        low = max(low, at_0 / (at_0 - at_1))
-    elif at_1 < 0.0:
-        high = min(high, at_0 / (at_0 - at_1))
-    return low, high
-
-
-@formula
-def near_line(low, high, w0, w1, u, reach):
-    """Return the part of [low, high] where the point w0 + s (w1 - w0) is within reach of line u."""
-    inverse = 1.0 / (dot(u, u) + 1e-300)
-    a = along(w0, -dot(w0, u) * inverse, u)
-    b = along(w1, -dot(w1, u) * inverse, u)
-    c = minus(b, a)
-    square, middle, offset = dot(c, c), dot(a, c), dot(a, a) - reach * reach
-    root = middle * middle - square * offset
-    if root <= 0.0:
-        # No crossing of the cylinder's surface: parallel inside it, or outside all along.
-        if offset < 0.0:
-            return low, high
-        return 1.0, 0.0
-    root = math.sqrt(root)
-    if square <= 1e-16 * dot(u, u):
-        if offset < 0.0:
-            return low, high
-        return 1.0, 0.0
-    return max(low, (-middle - root) / square), min(high, (root - middle) / square)
-
-
-@formula
-def press(p0, p1, q0, q1, low, high, reach, line):
-    """Integrate the contact of segment p over [low, high] with segment q.
-
-    Parameters: ends of both segments [m], interval of s on p, reach [m], and line = k l0 [N/m].
-    Returns the force on p [N], its first moments over s and t (the positions on p and q), the sum
-    of the force's magnitudes and that sum weighted by s and by t.
-    """
-    dp, u = minus(p1, p0), minus(q1, q0)
-    inverse = 1.0 / (dot(u, u) + 1e-300)
-    force = first_s = first_t = (0.0, 0.0, 0.0)
-    total = sum_s = sum_t = 0.0
-    for node, weight in GAUSS:
-        s = low + (high - low) * node
-        x = along(p0, s, dp)
-        w = minus(x, q0)
-        t = min(max(dot(w, u) * inverse, 0.0), 1.0)
-        gap = along(w, -t, u)
-        distance = math.sqrt(dot(gap, gap))
-        if distance < reach:
-            size = line * (high - low) * weight * (reach - distance)
-            unit = size / max(distance, 1e-300)
-            force = along(force, unit, gap)
-            first_s = along(first_s, unit * s, gap)
-            first_t = along(first_t, unit * t, gap)
-            total += size
-            sum_s += size * s
-            sum_t += size * t
-    return force, first_s, first_t, total, sum_s, sum_t
-
-
-@formula
 def contact_interval(buf, a, b, reach):
     """Return the interval of s on element a that element b owns and that may touch it."""
     p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
     q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
-    w0, w1 = minus(p0, q0), minus(p1, q0)
     n0, n1 = at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1)
     h0, h1 = buf[OVERHANG + b], buf[OVERHANG + b + 1]
-    low, high = clip(0.0, 1.0, dot(w0, n0) + h0, dot(w1, n0) + h0)
-    if low < high:
-        low, high = clip(low, high, h1 - dot(minus(p0, q1), n1), h1 - dot(minus(p1, q1), n1))
-    if low < high:
-        low, high = near_line(low, high, w0, w1, minus(q1, q0), reach)
-    return low, high
+    return interval(minus(p0, q0), minus(p1, p0), minus(q1, q0), n0, n1, h0, h1, reach)
 
 
 @kernel
 def contact_forces(buf, n, dt, contact, friction):
     """Add the contact forces, and friction if given, of all pairs in the neighbour list."""
     wedges(buf, n)
+    keep_in_play(buf, n, contact)
+    count = 0
     for a in range(n):
-        for k in range(contact.start[a], contact.start[a + 1]):
-            b = contact.partner[k]
-            reach = buf[RADIUS + a] + buf[RADIUS + b]
-            low, high = contact_interval(buf, a, b, reach)
-            if low < high:
-                touch(buf, a, b, low, high, reach, dt, contact, friction, k)
-            elif friction is not None:
-                contact.slip[k, 0] = contact.slip[k, 1] = contact.slip[k, 2] = 0.0
+        first, last = contact.start[a], contact.stop[a]
+        while first < last:
+            some = min(last - first, BATCH - count)
+            gather(buf, contact, count, a, first, some)
+            first += some
+            count += some
+            if count == BATCH:
+                press_batch(contact.work, count)
+                scatter(buf, count, dt, contact, friction)
+                count = 0
+    # Whole vectors only, so that a pair's rounding does not depend on its place in the batch; the
+    # columns beyond the last pair are left over from earlier ones.
+    press_batch(contact.work, (count + LANES - 1) // LANES * LANES)
+    scatter(buf, count, dt, contact, friction)
 
 
 @formula
-def touch(buf, a, b, low, high, reach, dt, contact, friction, k):
-    """Add the forces of one pair to its four nodes."""
-    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
-    q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
-    line = contact.stiffness * buf[LENGTH + a]
-    force, first_s, first_t, total, sum_s, sum_t = press(p0, p1, q0, q1, low, high, reach, line)
-    push(buf, F0, F1, F2, a, minus(force, first_s), 1.0)
-    push(buf, F0, F1, F2, a + 1, first_s, 1.0)
-    push(buf, F0, F1, F2, b, minus(force, first_t), -1.0)
-    push(buf, F0, F1, F2, b + 1, first_t, -1.0)
-    if friction is not None:
-        if total > 0.0:
-            s, t = sum_s / total, sum_t / total
-            rub(buf, a, b, s, t, total, line * (high - low), dt, friction, contact.slip[k])
-        else:
-            contact.slip[k, 0] = contact.slip[k, 1] = contact.slip[k, 2] = 0.0
+def natural(i):
+    """Return the index i, which the compiler then knows not to count from the end of an array."""
+    return i & 0x7FFFFFFF
+
+
+@formula
+def gather(buf, contact, count, a, first, some):
+    """Put what the contact of element a with some of its partners depends on into columns."""
+    work, p0, radius = contact.work, at(buf, X0, X1, X2, a), buf[RADIUS + a]
+    dp, line = minus(at(buf, X0, X1, X2, a + 1), p0), contact.stiffness * buf[LENGTH + a]
+    for j in range(some):
+        m, b = natural(count + j), natural(contact.partner[first + j])
+        q0 = at(buf, X0, X1, X2, b)
+        contact.batch[0, m], contact.batch[1, m], contact.batch[2, m] = a, b, first + j
+        work[OFF0 + m], work[OFF1 + m], work[OFF2 + m] = minus(p0, q0)
+        work[DA0 + m], work[DA1 + m], work[DA2 + m] = dp
+        work[DB0 + m], work[DB1 + m], work[DB2 + m] = minus(at(buf, X0, X1, X2, b + 1), q0)
+        work[LOW0 + m], work[LOW1 + m], work[LOW2 + m] = at(buf, B0, B1, B2, b)
+        work[TOP0 + m], work[TOP1 + m], work[TOP2 + m] = at(buf, B0, B1, B2, b + 1)
+        work[BELOW + m], work[ABOVE + m] = buf[OVERHANG + b], buf[OVERHANG + b + 1]
+        work[REACH + m], work[LINE + m] = radius + buf[RADIUS + b], line
+
+
+@formula
+def scatter(buf, count, dt, contact, friction):
+    """Add the forces of all columns to the four nodes of each pair, and their friction."""
+    batch, work = contact.batch, contact.work
+    for m in range(count):
+        a, b = natural(batch[0, m]), natural(batch[1, m])
+        force = at(work, PUSH0, PUSH1, PUSH2, m)
+        by_s, by_t = at(work, BY_S0, BY_S1, BY_S2, m), at(work, BY_T0, BY_T1, BY_T2, m)
+        push(buf, F0, F1, F2, a, minus(force, by_s), 1.0)
+        push(buf, F0, F1, F2, a + 1, by_s, 1.0)
+        push(buf, F0, F1, F2, b, minus(force, by_t), -1.0)
+        push(buf, F0, F1, F2, b + 1, by_t, -1.0)
+        if friction is not None:
+            slip, total = contact.slip[batch[2, m]], work[TOTAL + m]
+            if total > 0.0:
+                s, t = work[SUM_S + m] / total, work[SUM_T + m] / total
+                rub(buf, a, b, s, t, total, work[SPRING + m], dt, friction, slip)
+            else:
+                slip[0] = slip[1] = slip[2] = 0.0
 
 
 @kernel

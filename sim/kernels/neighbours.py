@@ -1,20 +1,27 @@
-"""Which pairs of elements may touch: Verlet lists from a grid of cells."""
+"""Which pairs of elements may touch: Verlet lists from a grid of cells, and a second, finer sieve.
+
+A list holds every pair that may touch before a node has moved by half the skin. Of these, the pairs
+in play may touch before a node has moved by a small part of it: few more than really do.
+"""
 
 import math
 
+import numpy as np
+
 from sim.kernels.compiled import kernel
 from sim.kernels.layout import *  # noqa: F403
+from sim.kernels.overlap import interval
 from sim.kernels.vectors import along, at, dot, minus
 
 
 @kernel
 def moved_far(buf, n, limit):
     """Tell whether a node is farther than `limit` from where it was when the list was built."""
-    worst = 0.0
+    far = 0
     for i in range(n):
         d0, d1, d2 = buf[X0 + i] - buf[A0 + i], buf[X1 + i] - buf[A1 + i], buf[X2 + i] - buf[A2 + i]
-        worst = max(worst, d0 * d0 + d1 * d1 + d2 * d2)
-    return worst > limit * limit
+        far += 1 if d0 * d0 + d1 * d1 + d2 * d2 > limit * limit else 0
+    return far > 0
 
 
 @kernel
@@ -39,10 +46,11 @@ def longest_reach(buf, n, skin):
 @kernel
 def cell_of(buf, i, edge):
     """Return the integer coordinates of the cell that holds the midpoint of element i."""
+    half = 0.5 / edge
     return (
-        int(math.floor(0.5 * (buf[X0 + i] + buf[X0 + i + 1]) / edge)),
-        int(math.floor(0.5 * (buf[X1 + i] + buf[X1 + i + 1]) / edge)),
-        int(math.floor(0.5 * (buf[X2 + i] + buf[X2 + i + 1]) / edge)),
+        int(math.floor(half * (buf[X0 + i] + buf[X0 + i + 1]))),
+        int(math.floor(half * (buf[X1 + i] + buf[X1 + i + 1]))),
+        int(math.floor(half * (buf[X2 + i] + buf[X2 + i + 1]))),
     )
 
 
@@ -109,6 +117,7 @@ def build_list(buf, n, contact, heads, following, start, partner):
             count = list_partners(buf, a, contact, edge, heads, following, partner, count)
     start[n] = count
     remember(buf, n)
+    contact.anchor[:] = np.inf  # nobody knows yet which pairs are in play
     return count
 
 
@@ -143,3 +152,96 @@ def carry_slip(n, old_start, old_partner, old_slip, start, partner, slip):
                         old_slip[j, 1],
                         old_slip[j, 2],
                     )
+
+
+FINEST, COARSEST = 1 / 64, 1 / 8  # of the skin: how far nodes may move before the next sieving
+SELDOM, OFTEN = 64, 12  # steps between two sievings
+
+
+@kernel
+def keep_in_play(buf, n, contact):
+    """Find the pairs in play anew if a node has moved too far since.
+
+    How far that is, ``play[0]``, follows the motion: short while it is slow, so that few pairs are
+    pressed in vain; long while it is fast, so that they are not sieved at every step.
+    """
+    play = contact.play
+    play[1] += 1.0
+    if not left_anchor(buf, n, contact.anchor, play[0]):
+        return
+    wider = 2.0 if play[1] < OFTEN else (0.5 if play[1] > SELDOM else 1.0)
+    play[0] = min(max(wider * play[0], FINEST * contact.skin), COARSEST * contact.skin)
+    play[1] = 0.0
+    for a in range(n):
+        contact.stop[a] = contact.start[a]
+        for k in range(contact.start[a], contact.start[a + 1]):
+            if is_in_play(buf, a, contact.partner[k], play[0]):
+                bring_forward(contact, a, k)
+            elif contact.slip.shape[0] > 1:
+                contact.slip[k, 0] = contact.slip[k, 1] = contact.slip[k, 2] = 0.0
+    for i in range(n):
+        contact.anchor[0, i], contact.anchor[1, i], contact.anchor[2, i] = at(buf, X0, X1, X2, i)
+
+
+@kernel
+def left_anchor(buf, n, anchor, limit):
+    """Tell whether a node is farther than `limit` from its anchor."""
+    far = 0
+    for i in range(n):
+        d0, d1 = buf[X0 + i] - anchor[0, i], buf[X1 + i] - anchor[1, i]
+        d2 = buf[X2 + i] - anchor[2, i]
+        far += 0 if d0 * d0 + d1 * d1 + d2 * d2 <= limit * limit else 1
+    return far > 0
+
+
+@kernel
+def is_in_play(buf, a, b, play):
+    """Tell whether elements a and b may touch before a node has moved by `play`.
+
+    A point in contact with b is at most reach + |u| from either end of b, so while the unit vectors
+    along b and its neighbours turn by up to 2 play/(length - play), the planes at b's ends shift by
+    no more than `shift` there.
+    """
+    p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
+    u, reach = minus(at(buf, X0, X1, X2, b + 1), q0), buf[RADIUS + a] + buf[RADIUS + b]
+    length = math.sqrt(dot(u, u))
+    arm = 2.0 * play * (reach + length + 2.0 * play)
+    low = 4.0 * play + arm * (steep(buf, b, play) + buf[PREVIOUS + b] * steep(buf, b - 1, play))
+    top = 4.0 * play + arm * (steep(buf, b, play) + buf[NEXT + b + 1] * steep(buf, b + 1, play))
+    start, end = interval(
+        minus(p0, q0), minus(at(buf, X0, X1, X2, a + 1), p0), u,
+        at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1),
+        buf[OVERHANG + b] + low, buf[OVERHANG + b + 1] + top, reach + 2.0 * play,
+    )  # fmt: skip
+    return start < end
+
+
+@kernel
+def steep(buf, i, play):
+    """Return 1/(length - play) of element i [1/m], huge for one that is hardly longer than that."""
+    step = minus(at(buf, X0, X1, X2, i + 1), at(buf, X0, X1, X2, i))
+    return 1.0 / max(math.sqrt(dot(step, step)) - play, 1e-300)
+
+
+@kernel
+def bring_forward(contact, a, k):
+    """Put pair k of element a among those in play, which are sorted by partner.
+
+    The order in which forces are summed, and with it their rounding, is then always the same.
+    """
+    j = contact.stop[a]
+    exchange(contact, j, k)
+    contact.stop[a] = j + 1
+    while j > contact.start[a] and contact.partner[j - 1] > contact.partner[j]:
+        exchange(contact, j - 1, j)
+        j -= 1
+
+
+@kernel
+def exchange(contact, j, k):
+    """Let two pairs of a list change places."""
+    partner, slip = contact.partner, contact.slip
+    partner[j], partner[k] = partner[k], partner[j]
+    if slip.shape[0] > 1:
+        for axis in range(3):
+            slip[j, axis], slip[k, axis] = slip[k, axis], slip[j, axis]

@@ -9,6 +9,7 @@ from sim import effects
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import contact as kernels
+from sim.kernels import overlap
 from sim.scene import Contact, End, Friction, Material, Points, Rod, Scene, Straight, Tine
 from sim.state import build
 
@@ -216,6 +217,62 @@ def test_no_contact_is_missed_while_strands_move(rng):
             for k in range(start[a], start[a + 1])
         }
         assert brute_force_pairs(march) <= listed
+
+
+def forces_pair_by_pair(march):
+    """Add up all listed pairs, one after another, as batches of pairs in play must."""
+    state, contact = march.state, march.contact
+    kernels.wedges(state.buf, state.n)
+    x, force = state.rows("X0 X1 X2").T, np.zeros((state.n, 3))
+    for a in range(state.n):
+        for b in contact.partner[contact.start[a] : contact.start[a + 1]]:
+            reach = state.row("RADIUS")[a] + state.row("RADIUS")[b]
+            low, high = kernels.contact_interval(state.buf, a, b, reach)
+            if low < high:
+                ends = [tuple(x[i]) for i in (a, a + 1, b, b + 1)]
+                line = contact.stiffness * state.row("LENGTH")[a]
+                push, by_s, by_t, *_ = overlap.press(*ends, low, high, reach, line)
+                force[a] += np.subtract(push, by_s)
+                force[a + 1] += by_s
+                force[b] -= np.subtract(push, by_t)
+                force[b + 1] -= by_t
+    return force.T
+
+
+def test_pairs_pressed_in_batches_are_all_that_touch(rng):
+    """While nodes move within the skin: the pairs in play are kept for a while, then found anew."""
+    rods = []
+    for _ in range(6):
+        walk = np.cumsum(rng.normal(0, 1, (25, 3)), axis=0)
+        rods.append(strand(walk * 5e-4 - walk.mean(axis=0) * 5e-4))
+    march = Explicit(scene(*rods, contact=Contact(self_contact=True)))
+    home, drift = march.state.rows("X0 X1 X2"), rng.normal(0, 1, (3, march.state.n))
+    drift *= 0.45 * march.contact.skin / np.linalg.norm(drift, axis=0).max()
+    pressed = []
+    for phase in [0, 0.01, 0.02, 0.03, 0.1, 0.5, 0.52, 0.54, 1.0, 0.97, 0.94, 0.3]:
+        for axis in range(3):
+            march.state.row(f"X{axis}")[:] = home[axis] + phase * drift[axis]
+        force, _ = contact_only(march)
+        expected = forces_pair_by_pair(march)
+        assert np.abs(expected).max() > 0
+        np.testing.assert_allclose(force, expected, atol=1e-13 * np.abs(expected).max())
+        pressed.append(int((march.contact.stop - march.contact.start[:-1]).sum()))
+    assert max(pressed) < march.contact.start[-1]  # the second sieve holds something back
+    assert len(set(pressed)) > 1
+
+
+def test_forces_do_not_depend_on_the_history_of_the_neighbour_list(rng):
+    """Bitwise: a list built here and one that has come a long way."""
+    rods = [strand(line([0, 0, 1.9 * R * k], [1, 0.05 * k, 0], 15e-3, 15)) for k in range(4)]
+    old = Explicit(scene(*rods))
+    for name in ["V0", "V1", "V2"]:
+        old.state.row(name)[:] = rng.normal(0, 0.3, old.state.n)
+    old.advance(700)
+    fresh = Explicit(scene(*rods))
+    for name in ["X0", "X1", "X2"]:
+        fresh.state.row(name)[:] = old.state.row(name)
+    fresh._rebuild()
+    np.testing.assert_array_equal(contact_only(fresh)[0], contact_only(old)[0])
 
 
 def sliding(mu, slope):
