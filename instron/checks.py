@@ -33,6 +33,37 @@ def refuse_fill_values(where: str, quantity: str, values: np.ndarray, lines: Seq
         )
 
 
+def refuse_moved_points(
+    where: str, quantity: str, values: np.ndarray, lines: Sequence[int]
+) -> None:
+    """Refuse a column that jumps by ten or a hundred and back: a spreadsheet moved its points.
+
+    Where it takes the point of 1.0114 for a thousands mark and 1.063 for what it is, a steady
+    0.99 1.01 1.03 1.06 becomes 0.99 10.114 10.285 1.063. Such jumps are far larger than the
+    column's usual step, of a power of ten, go both ways, and not always from the same level as
+    those of a square wave.
+    """
+    steps = np.abs(np.diff(values))
+    some = steps[:: len(steps) // 10_000 + 1]
+    usual = float(np.median(some[some > 0])) if some.any() else 0.0
+    least = 0.05 * np.abs(values).max()
+    large = np.flatnonzero(steps > 20 * usual)
+    before, after = np.abs(values[large]), np.abs(values[large + 1])
+    counts = (np.minimum(before, after) > 0) & (np.maximum(before, after) > least)
+    large, tens = large[counts], np.log10(after[counts] / before[counts])
+    power = (np.abs(tens - np.round(tens)) < 0.02) & (np.abs(tens) > 0.5)
+    up, down = (np.count_nonzero(power & (sign * tens > 0)) for sign in (1, -1))
+    low = np.minimum(before, after)[counts][power]
+    if min(up, down) < 2 or low.max() < 1.5 * low.min():
+        return
+    row = int(large[power][0]) + 1
+    raise Unreadable(
+        f"{where}: line {lines[row] + 1}: {quantity} jumps from {values[row - 1]:g} to"
+        f" {values[row]:g} and so on, by powers of ten and back: has a spreadsheet moved its"
+        " decimal points?"
+    )
+
+
 def refuse_torn_decimals(where: str, columns: Sequence[np.ndarray], time: np.ndarray) -> None:
     """Refuse whole numbers only whose times mostly repeat: what decimal commas leave of 0,1 0,2."""
     if len(time) < 50 or np.median(np.diff(time)) != 0:

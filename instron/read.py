@@ -16,6 +16,7 @@ from instron.checks import (
     milliseconds,
     mixed_units,
     refuse_fill_values,
+    refuse_moved_points,
     refuse_torn_decimals,
 )
 from instron.errors import Unreadable
@@ -183,6 +184,8 @@ def _table(
             continue
         values = body.values[specimen[quantity].index][keep]
         refuse_fill_values(where, quantity, values, lines)
+        if quantity != "time":  # which must not run back anyway
+            refuse_moved_points(where, quantity, values, lines)
         unit, stated = written[quantity]
         scale = factor(unit, quantity)
         columns[quantity] = values if scale == 1 else values * scale

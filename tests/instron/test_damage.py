@@ -135,6 +135,31 @@ REFUSED = {
 }
 
 
+def as_a_german_spreadsheet_reads(text):
+    """Take the point of ``1.0114`` for a thousands mark, and that of ``1.063`` not to be one."""
+    whole, _, decimals = text.rstrip("0").partition(".")
+    if whole != "0" and len(decimals) == 4:
+        whole, decimals = (whole + decimals)[:-3], (whole + decimals)[-3:]
+    return f"{whole},{decimals}" if decimals else whole
+
+
+def test_points_that_a_spreadsheet_moved_are_refused(tmp_path):
+    times = [i * 0.02 for i in range(400)]
+    travel = [f"{0.1366 + 0.8497 * t:.4f}" for t in times]
+    rows = "".join(f"{t:.2f};{as_a_german_spreadsheet_reads(x)};0.5\n".replace(".", ",")
+                   for t, x in zip(times, travel, strict=True))  # fmt: skip
+    head = "Time;Displacement;Force\n(s);(mm);(kN)\n"
+    with pytest.raises(
+        instron.Unreadable, match=r"line 5\d: displacement jumps from .*spreadsheet"
+    ):
+        read(tmp_path, head + rows)
+    wave = "".join(f"{t:.2f};1,0;{[10, 100][i // 50 % 2] + i % 3},5\n".replace(".", ",")
+                   for i, t in enumerate(times))  # fmt: skip
+    assert read(tmp_path, head + wave)[0].attrs["warnings"] == []
+    sound = "".join(f"{t:.2f};{x};0.5\n" for t, x in zip(times, travel, strict=True))
+    assert read(tmp_path, head + sound)[0].attrs["warnings"] == []
+
+
 @pytest.mark.parametrize("damage", REFUSED)
 def test_damage_is_refused_with_its_reason(damage, tmp_path):
     content, reason = REFUSED[damage]
