@@ -154,11 +154,11 @@ class Journal:
 
     def save(self, frozen: Arrays) -> None:
         """Write the checkpoint that belongs to what has been appended so far."""
-        widths = _widths(self.about)
         rows = {WALL_TIME: np.array(self.wall_time())}
-        for name, table in self._tables.items():
-            os.fsync(table.fileno())
-            rows[name] = np.array(table.tell() // (VALUE * max(widths[name], 1)))
+        for name, width in _widths(self.about).items():
+            file = self._tables[name].fileno()
+            os.fsync(file)
+            rows[name] = np.array(os.fstat(file).st_size // (VALUE * max(width, 1)))
         temporary = self.folder / f"{CHECKPOINT}.new"
         with temporary.open("wb") as stream:
             np.savez(stream, **frozen, **rows)  # type: ignore[arg-type]

@@ -99,7 +99,7 @@ def _simulate(
         _advance(march, journal, progress, checkpoint_every)
     except Unstable as error:
         error.path = path.with_suffix(".unstable.nc")
-        _finish(march, journal, error.path, unstable=str(error))
+        _finish(march, journal, error.path, unstable=error.args[0])
         raise
     finally:
         journal.close()
