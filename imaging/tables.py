@@ -1,6 +1,6 @@
 """Strands, crossings, interactions and link density of one photograph in pixels and metres."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -12,6 +12,7 @@ from imaging.scale import Scale
 from imaging.trace import Strand
 
 COVER = 1.96  # sds in a 95 % interval
+TANGENT = 1.5  # strand widths; at crossings, where edges are hidden, centrelines waver over less
 LINK_COLUMNS = ["strand_a", "strand_b", "s", "x", "y", "link_per_px", "sd_per_px", "R", "R_sd"]
 DICTIONARY = {
     "photo": "name of the photograph's file",
@@ -89,32 +90,36 @@ def crossings_table(measured: Measured, name: str) -> pd.DataFrame:
         scale = measured.scale
         x, y = scale.metres(table[["x", "y"]].to_numpy(float)).T
         table = table.assign(x_m=x, y_m=y)
-        lines = [(s.line, scale.metres(s.line)) for s in measured.strands]
+        places = [scale.metres(strand.line) for strand in measured.strands]
+        lengths = [arclength(place) for place in places]
         for which in "ab":
-            table[f"s_{which}_m"] = _along(lines, table, which, arclength)
+            table[f"s_{which}_m"] = _along(measured.strands, table, which, lengths)
         if scale.plane is not None:
-            heading = [_along(lines, table, which, _heading) for which in "ab"]
+            pairs = zip(measured.strands, places, strict=True)
+            headings = [_heading(place, strand.width) for strand, place in pairs]
+            heading = [_along(measured.strands, table, which, headings) for which in "ab"]
             turned = np.abs(np.mod(np.subtract(*heading) + np.pi / 2, np.pi) - np.pi / 2)
             table["angle"] = turned
     return _finished(table, measured, name)
 
 
 def _along(
-    lines: Sequence[tuple[np.ndarray, np.ndarray]],
-    table: pd.DataFrame,
-    which: str,
-    quantity: Callable[[np.ndarray], np.ndarray],
+    strands: Sequence[Strand], table: pd.DataFrame, which: str, quantities: Sequence[np.ndarray]
 ) -> np.ndarray:
-    """Interpolate a quantity of the metric centrelines at the crossings' arclengths (n,)."""
+    """Interpolate what is known along each strand at the crossings' arclengths (n,)."""
     values = np.empty(len(table))
-    for number, (line, place) in enumerate(lines, start=1):
+    for number, (strand, quantity) in enumerate(zip(strands, quantities, strict=True), start=1):
         own = (table[f"strand_{which}"] == number).to_numpy()
-        values[own] = np.interp(table[f"s_{which}"][own], arclength(line), quantity(place))
+        values[own] = np.interp(table[f"s_{which}"][own], arclength(strand.line), quantity)
     return values
 
 
-def _heading(line: np.ndarray) -> np.ndarray:
-    x, y = np.gradient(line, axis=0).T
+def _heading(place: np.ndarray, width: np.ndarray) -> np.ndarray:
+    """Direction of a centreline [rad], by chords of TANGENT widths on both sides."""
+    reach = max(1, round(TANGENT * float(np.median(width))))  # points are about a pixel apart
+    at = np.arange(len(place))
+    last = len(place) - 1
+    x, y = (place[np.minimum(at + reach, last)] - place[np.maximum(at - reach, 0)]).T
     return np.unwrap(np.arctan2(y, x))
 
 
