@@ -1,0 +1,89 @@
+"""Whole combings of the preset: force, link density and topology have the paper's features."""
+
+import numpy as np
+import pytest
+
+import sim
+from sim.presets import NYLON_SCALED
+
+from .ribbon import link_twist_writhe
+
+pytestmark = pytest.mark.slow
+R, HEIGHT = 4.25e-4, 0.15
+SCALE = 1e-4 / (NYLON_SCALED * np.pi * R**4 / 4)  # f = l0^2 F/B
+_runs = {}
+
+
+def combed(pi1):
+    """Return the run of a combing from one pitch below the clamp; each is made once."""
+    if pi1 not in _runs:
+        _runs[pi1] = sim.simulate(sim.double_helix(pi1=pi1))
+    return _runs[pi1]
+
+
+def smoothed(pi1, window=0.01):
+    """Return x = d/D and f, averaged over `window` of x: the tooth of single pitches gone."""
+    log = combed(pi1).force_log()
+    x = log["displacement"].to_numpy() / log["displacement"].iloc[-1]
+    f = SCALE * log["force"].to_numpy()
+    moving = np.concatenate([[True], np.diff(x) > 0])
+    grid = np.arange(window / 2, 1, window)
+    bins = np.digitize(x[moving], np.arange(window, 1, window))
+    return grid, np.array([f[moving][bins == i].mean() for i in range(len(grid))])
+
+
+@pytest.mark.parametrize(("pi1", "low", "high"), [(18, 30, 60), (24, 12, 25)])
+def test_a_tight_helix_rises_jams_and_drops(pi1, low, high):
+    x, f = smoothed(pi1)
+    peak = int(np.argmax(f))
+    assert low < f[peak] < high
+    first = int(np.argmax(f > 0.5 * f[peak]))
+    assert x[first] < 0.2  # rises at once
+    assert (np.diff(f[: first + 1]) > 0).mean() > 0.8  # and steadily
+    loaded = f > 0.4 * f[peak]
+    assert loaded.mean() > 0.3  # jammed over a good part of the way
+    last = len(f) - 1 - int(np.argmax(loaded[::-1]))
+    assert f[last + 3 :].max(initial=0.0) < 0.4 * f[peak]
+    assert abs(f[-10:]).max() < 0.01 * f[peak]  # free at the end
+
+
+def test_the_force_falls_with_the_pitch_and_a_loose_helix_has_no_peak_to_speak_of():
+    peaks = {pi1: smoothed(pi1)[1].max() for pi1 in (18, 24, 48)}
+    assert peaks[18] > 1.7 * peaks[24]
+    assert peaks[48] < 0.2 * peaks[24]
+    assert peaks[48] < 0.1 * peaks[18]
+
+
+@pytest.mark.parametrize("pi1", [18, 24])
+def test_link_density_steps_across_the_tine(pi1):
+    """Within half a pitch of the tine: hardly any link behind it, all of it ahead."""
+    run, pitch = combed(pi1), pi1 * R
+    on_the_way = (run.displacements > 0.2 * HEIGHT) & (run.displacements < 0.4 * HEIGHT)
+    assert on_the_way.sum() >= 10
+    for i in np.flatnonzero(on_the_way):
+        depth = pitch + run.displacements[i]
+        table = sim.link_density(*run.strands(i), resolution=pitch)
+        s, turns = table["s"], table["link"] * pitch
+        assert turns[(s > 2 * pitch) & (s < depth - pitch)].mean() < 0.35
+        assert turns[(s > depth + pitch / 2) & (s < depth + 3 * pitch)].mean() > 0.95
+        assert turns.max() > 1.1
+        step = s[(turns > 0.5) & (s > 2 * pitch)].min()
+        assert step == pytest.approx(depth, abs=pitch / 2)
+
+
+@pytest.mark.parametrize("pi1", [18, 24, 48])
+def test_link_is_twist_plus_writhe_along_a_whole_combing(pi1):
+    """To rounding for every snapshot, through kinks and whirls, up to whole turns of the ribbon.
+
+    Where strands whirl far apart, the straight line from a node to its partner may cross a strand.
+    A loose helix does not whirl, and none does at first.
+    """
+    run = combed(pi1)
+    parts = np.array([link_twist_writhe(*run.strands(i)) for i in range(len(run.times))])
+    link = parts[:, 0]
+    crossed = link - parts[:, 1] - parts[:, 2]
+    np.testing.assert_allclose(crossed, np.round(crossed), atol=1e-6)
+    quiet = run.displacements < (HEIGHT if pi1 == 48 else 0.1 * HEIGHT)
+    np.testing.assert_allclose(crossed[quiet], 0, atol=1e-6)
+    assert link[0] == pytest.approx(HEIGHT / (pi1 * R), abs=0.05)
+    assert link[-1] < 1.5
