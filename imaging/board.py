@@ -20,6 +20,7 @@ LEAST = 8  # corners; ten numbers are fitted to twice as many coordinates
 FAR = 2.0  # px; corners that scatter more lie on no flat board of the stated size
 GRID = 5  # places across the picture at which the scale is averaged
 PLENTY = 4  # markers of one dictionary; so many are no chance
+SLIP = 0.1  # relative difference of a marker from its stated side that is no print's error
 RIM = 0.5  # of a square; the white rim of a board, hidden with it
 
 
@@ -64,10 +65,11 @@ def from_charuco(
     Unmeasurable
         When too few corners of the board are found, or they do not lie where they should.
     """
-    if not 0 < marker_side < side:
+    columns, rows = squares
+    if not (0 < marker_side < side and min(squares) > 1):
         raise Unmeasurable(
-            f"ChArUco board with markers of {marker_side:g} m in squares of {side:g} m; "
-            "the markers must be smaller than the squares"
+            f"ChArUco board of {columns} x {rows} squares of {side:g} m with markers of "
+            f"{marker_side:g} m; markers must be smaller than squares, and squares 2 x 2 or more"
         )
     markers = _markers(photo)
     grey = _grey(photo)
@@ -78,10 +80,10 @@ def from_charuco(
         detector = cv2.aruco.CharucoDetector(board)
         seen = detector.detectBoard(grey, markerCorners=markers.corners, markerIds=markers.ids)
         found.append(_matched(board, seen[0], seen[1]))
-    columns, rows = squares
     what = f"ChArUco board of {columns} x {rows} squares"
     corners = max(found, key=lambda one: len(one.points))
     scale = _scale(photo, corners, what, (columns - 1) * (rows - 1), markers.name)
+    _refuse_other_markers(photo, scale, markers, marker_side)
     return scale, _without(photo, corners, (columns * side, rows * side), RIM * side)
 
 
@@ -157,6 +159,18 @@ def _scale(
     mean = float(local.mean())
     relative = float(np.hypot(sd.mean(), local.std() / mean))
     return Scale(mean, relative, f"{what}, {seen} corners", plane)
+
+
+def _refuse_other_markers(photo: Photo, scale: Scale, markers: Markers, side: float) -> None:
+    """Check squares against markers: both lengths are stated, and one of them may be a slip."""
+    places = [scale.metres(corners.reshape(4, 2)) for corners in markers.corners]
+    sides = [np.hypot(*(p - np.roll(p, 1, axis=0)).T) for p in places]
+    seen = float(np.median(sides))
+    if abs(seen / side - 1) > SLIP:
+        raise Unmeasurable(
+            f"{photo.source}: by its squares the board's markers measure {1e3 * seen:.4g} mm, "
+            f"not {1e3 * side:.4g} mm; correct the side of the squares or of the markers"
+        )
 
 
 def _on_a_line(places: np.ndarray) -> bool:

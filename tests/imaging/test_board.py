@@ -117,7 +117,10 @@ def test_the_stated_sd_covers_the_truth_as_often_as_it_says():
     ("squares", "side", "marker", "reason"),
     [
         ((3, 2), SIDE, MARKER, "0 of the 2 corners .* at least 8"),
-        (SQUARES, MARKER, SIDE, "smaller than the squares"),
+        (SQUARES, MARKER, SIDE, "markers must be smaller than squares"),
+        ((1, 1), SIDE, MARKER, "2 x 2 or more"),
+        (SQUARES, 2 * SIDE, MARKER, "markers measure 2[12].* mm, not 11 mm"),
+        (SQUARES, SIDE, MARKER / 2, "markers measure 1[01].* mm, not 5.5 mm"),
     ],
 )
 def test_a_board_that_is_not_as_stated_is_refused(tilted, squares, side, marker, reason):
