@@ -37,6 +37,12 @@ POINT_ALONE, COMMA_ALONE = (
 )
 
 
+def _proven(pattern: re.Pattern[bytes], data: mmap | bytes, start: int) -> bool:
+    """Tell whether two numbers match; a single one may be damaged."""
+    first = pattern.search(data, start)
+    return first is not None and pattern.search(data, first.end()) is not None
+
+
 def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str | None] | None:
     """Return decimal and thousands mark (None if nothing is grouped), or None in any doubt.
 
@@ -59,9 +65,9 @@ def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str |
         return None
     if delimiter == "," or not comma:
         proof = POINT_BETWEEN_COMMAS if delimiter == "," else POINT_ALONE
-        return (".", None) if not point or proof.search(data, start) else None
+        return (".", None) if not point or _proven(proof, data, start) else None
     if not point:
-        return (",", None) if COMMA_ALONE.search(data, start) else None
+        return (",", None) if _proven(COMMA_ALONE, data, start) else None
     text = np.frombuffer(data, dtype=np.uint8)
     for group, decimal in ((COMMA, POINT), (POINT, COMMA)):
         if _grouped(text, _places(text, start, group), decimal):
@@ -77,10 +83,10 @@ def _between_commas(data: mmap | bytes, start: int, point: bool) -> tuple[str, s
         if grouped:
             return ".", ","
         if grouped is not None:
-            proven = not point or POINT_BETWEEN_COMMAS.search(data, start)
+            proven = not point or _proven(POINT_BETWEEN_COMMAS, data, start)
             return (".", None) if proven else None
     if not point:
-        return (",", None) if COMMA_IN_QUOTES.search(data, start) else None
+        return (",", None) if _proven(COMMA_IN_QUOTES, data, start) else None
     return (",", ".") if _grouped(text, _places(text, start, POINT), COMMA) else None
 
 

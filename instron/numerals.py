@@ -58,12 +58,16 @@ def decimal_mark(cells: Sequence[str]) -> str:
             f"'{odd}'{twice} has {_MARK_NAMES[rare]}, but '{common}' {_MARK_NAMES[usual]}",
             proofs[rare][0],
         )
-    if proofs["."] or proofs[","]:
+    proven = proofs["."] or proofs[","]
+    marked = [i for i, c in enumerate(cells) if "," in c or "." in c]
+    if len(proven) > 1 or (proven and (len(marked) == 1 or _MARKS.search(cells[proven[0]]))):
         return "." if proofs["."] else ","
-    unsure = next((i for i, c in enumerate(cells) if "," in c or "." in c), None)
-    if unsure is None:
+    if not marked:
         return "."
-    raise Unclear(f"'{cells[unsure]}' could be a decimal or a thousand: no number tells", unsure)
+    # A single cell may be damaged: 96.80 that was 96.800 would turn its whole file around.
+    unsure = next(i for i in marked if i not in proven)
+    tells = f"only '{cells[proven[0]]}' tells" if proven else "no number tells"
+    raise Unclear(f"'{cells[unsure]}' could be a decimal or a thousand: {tells}", unsure)
 
 
 def _may_prove(cell: str, mark: str) -> bool:

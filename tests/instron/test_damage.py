@@ -97,6 +97,10 @@ REFUSED = {
         HEAD + '0,12,"1,424"\n1,13,"1,430"\n',
         "'1,424' could be a decimal or a thousand",
     ),
+    "a single number that tells": (
+        TAB + "1\t2\t469.943\n2\t3\t96.80\n",
+        "'469.943' could be .* only '96.80' tells",
+    ),
     "points that may group, quoted": (
         HEAD + '"1","2","998"\n"2","3","1.002"\n',
         "'1.002' could be a decimal",

@@ -128,14 +128,12 @@ def check_dialect(drawn, path):
 
 
 def is_ambiguous(body, form):
-    """Tell whether every mark in the body could be decimal or thousands."""
+    """Tell whether at most one number shows which mark is decimal; one alone may be damaged."""
     other = "." if form["decimal"] == "," else ","
     cells = re.findall(r"[-+]?[\d.,\u00a0 ]*\d", "\n".join(body))
-    return not any(
-        re.search(rf"(^|\D)0\{form['decimal']}\d|\{form['decimal']}(?!\d{{3}}$)\d+$", c.strip())
-        or (other in c and form["decimal"] in c)
-        for c in cells
-    )
+    one_reading = rf"(^|\D)0\{form['decimal']}\d|\{form['decimal']}(?!\d{{3}}$)\d+$"
+    both = any(other in c and form["decimal"] in c for c in cells)
+    return not both and sum(bool(re.search(one_reading, c.strip())) for c in cells) < 2
 
 
 JUNK = st.sampled_from([b"", b",", b";", b"\t", b".", b"-", b'"', b"\n", b"\r", b"e", b"x", b" ",
