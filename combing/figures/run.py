@@ -50,18 +50,20 @@ def draw_run(run: Run, log: pd.DataFrame | None, links: pd.DataFrame | None) -> 
 def _draw_strands(panel: Axes, run: Run) -> None:
     chosen = np.unique(np.linspace(0, len(run.times) - 1, VIEWS).round().astype(int))
     views = [[METRE_TO_MM * strand for strand in run.strands(i)] for i in chosen]
-    wide = max(np.ptp(np.concatenate(view)[:, 0]) for view in views)
+    gap = 0.3 * max(np.ptp(np.concatenate(view)[:, 2]) for view in views)
     colours = ["#c8321e", "#1f5fa8", "#3b8a3e", "#e8a33d", "#7a4b9a", "0.4"]
-    for place, view in enumerate(views):
-        middle = np.concatenate(view)[:, 0].mean()
+    left = 0.0
+    for snapshot, view in zip(chosen, views, strict=True):
+        low, high = np.concatenate(view)[:, 0].min(), np.concatenate(view)[:, 0].max()
         for number, strand in enumerate(view):
-            x = strand[:, 0] - middle + 1.15 * wide * place
+            x = strand[:, 0] - low + left
             panel.plot(x, strand[:, 2], color=colours[number % len(colours)], lw=0.7)
-        label = f"{METRE_TO_MM * run.displacements[chosen[place]]:.0f} mm" if run.scene.tines else (
-            f"{run.times[chosen[place]]:.2g} s"
+        label = f"{METRE_TO_MM * run.displacements[snapshot]:.0f} mm" if run.scene.tines else (
+            f"{run.times[snapshot]:.2g} s"
         )  # fmt: skip
-        panel.annotate(label, (1.15 * wide * place, 1.02), xycoords=("data", "axes fraction"),
+        panel.annotate(label, (left + 0.5 * (high - low), 1.02), xycoords=("data", "axes fraction"),
                        ha="center", va="bottom", fontsize=7)  # fmt: skip
+        left += high - low + gap
     panel.set_aspect("equal")
     panel.set_xticks([])
     panel.set_ylabel("z (mm)")
