@@ -52,7 +52,7 @@ def test_strand_wrapped_round_a_tine_that_travels_12_mm_with_mu_0p3(turns):
 
 
 def test_combing_at_3_elements_per_pitch_pi1_18_with_3_turns_to_the_end():
-    """The coarsest mesh that the preset takes: stable, whatever it says of the force."""
+    """The coarsest mesh that the preset takes: stable, whatever its force is worth."""
     scene = sim.double_helix(pi1=18, turns=3, elements_per_pitch=3)
     march = Explicit(scene)
     seen = watch(march, scene.duration, looks=300, tracked=False)
@@ -65,7 +65,7 @@ def test_combing_at_pi1_14_with_mu_0p3_of_6_pitches_to_the_end():
     """The strongest jam of the study with friction: pulled through and released at tens of m/s."""
     scene = sim.double_helix(pi1=14, friction=0.3, turns=6)
     march = Explicit(scene)
-    seen = watch(march, scene.duration)
+    seen = watch(march, scene.duration, looks=3000)  # the release takes 0.1 ms
     assert march.tine_travel()[0] == pytest.approx(scene.tines[0].travel, rel=1e-3)
     assert seen.closest > 0.7
     show("combing at pi1 = 14, mu = 0.3, 6 pitches", seen)

@@ -7,7 +7,7 @@ import pytest
 
 from sim.scene import Friction
 
-from .hard import SOFT, energies, march_of, rod, segment_distances, watch
+from .hard import SOFT, energies, march_of, rod, segment_distances, show, watch
 
 R = 5e-3
 
@@ -50,8 +50,9 @@ def test_random_tangle_of_2_to_6_rods_with_and_without_friction(seed):
             march.state.row(f"V{k}")[march.state.nodes(number)] = velocity[k]
     start = energies(march).sum()
     # Against what moves: where round tips meet, contact makes up to its own energy, 0.5 % of that.
-    watch(march, 0.06, looks=20, rise=0.03, scale=start)
+    seen = watch(march, 0.06, looks=20, rise=0.03, scale=start)
     if friction is None:
         assert energies(march).sum() == pytest.approx(start, rel=0.04)
     else:
         assert energies(march).sum() < 1.02 * start
+    show(f"tangle {seed} of {len(curves)} rods", seen)
