@@ -46,7 +46,7 @@ def _knobs(table: pd.DataFrame) -> Iterator[str]:
 
 def _law(rows: pd.DataFrame) -> str:
     found = slope(rows)
-    return "no slope" if math.isnan(found) else f"slope {found:z.1f}"
+    return "no power law" if math.isnan(found) else f"slope {found:z.1f}"
 
 
 def _unstable(rows: pd.DataFrame) -> str:
@@ -60,14 +60,12 @@ def _teeth(peaks: pd.DataFrame, parting: Parting) -> Iterator[str]:
         f"{_percent(parting.before)} up to the first jam, {_percent(parting.after)} after it"
     )
     seeds = peaks[peaks["run"].str.startswith("seed")]
-    for name, column, place in (
-        ("first jam f", "first", "first_place"),
-        ("f_max", "f_max", "f_max_place"),
-    ):
+    for name, column in (("first jam", "first"), ("highest later tooth", "later")):
         yield (
-            f"ensemble of {len(seeds)}: {name} {_spread(seeds[column])}, at d = "
-            f"{_spread(1e3 * seeds[place])} mm"
+            f"ensemble of {len(seeds)}: {name} f {_spread(seeds[column])}, at d = "
+            f"{_spread(1e3 * seeds[f'{column}_place'])} mm"
         )
+    yield f"ensemble of {len(seeds)}: f_max {_spread(seeds['f_max'])}"
 
 
 def _spread(values: pd.Series) -> str:

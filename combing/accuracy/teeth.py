@@ -11,6 +11,7 @@ import pandas as pd
 from combing.accuracy.measurement import Measurement, Problem
 from combing.accuracy.study import IMPERFECTION, Teeth
 
+PEAKS = ["run", "first", "first_place", "later", "later_place", "f_max"]
 CLOSE, FAR = 0.9, 1.1  # of the places of first jams: before the one and after the other
 
 
@@ -68,14 +69,18 @@ def ensemble(teeth: Teeth, results: Mapping[Problem, Measurement]) -> pd.DataFra
 
 
 def peaks(teeth: Teeth, results: Mapping[Problem, Measurement]) -> pd.DataFrame:
-    """Return columns run, first, first_place, f_max, f_max_place of every longer combing."""
+    """Return columns run, first, first_place, later, later_place, f_max of every longer combing.
+
+    `first` is the first jam, `later` the highest force from a tenth of its place behind it on.
+    """
     table = curves(teeth, results)
     rows = []
     for name in table["run"].unique():
         part, one = table[table["run"] == name], results[teeth.runs[name]]
-        top = part.loc[part["f"].idxmax()]
-        rows.append((name, one.quantity, one.place, top["f"], top["d"]))
-    return pd.DataFrame(rows, columns=["run", "first", "first_place", "f_max", "f_max_place"])
+        behind = part[part["d"] > FAR * (one.place or 0.0)]
+        later = behind.loc[behind["f"].idxmax()]
+        rows.append((name, one.quantity, one.place, later["f"], later["d"], part["f"].max()))
+    return pd.DataFrame(rows, columns=PEAKS)
 
 
 def about() -> list[str]:

@@ -66,7 +66,10 @@ def _write(
     for name, about in (
         ("curves", teeth.about()[1:]),
         ("ensemble", teeth.about()),
-        ("peaks", ["height f and place d [m] of the first jam and of the highest force"]),
+        (
+            "peaks",
+            ["f and place d [m] of the first jam and the highest tooth after it; highest f"],
+        ),
     ):
         write_table(output / f"{name}.csv", tables[name], about)
     with replacing(output / "summary.txt") as temporary:

@@ -7,7 +7,15 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from combing.accuracy.study import slope
-from combing.figures.style import BAND, EXPERIMENT, SIMULATION, THEORY, new_figure, paper_style
+from combing.figures.style import (
+    BAND,
+    EXPERIMENT,
+    SIMULATION,
+    THEORY,
+    legend_above,
+    new_figure,
+    paper_style,
+)
 
 METRE_TO_MM = 1e3
 COLOURS = {"elements": SIMULATION, "safety": THEORY, "speed": "#3b8a3e", "stiffness": "#7a4b9a"}
@@ -41,6 +49,7 @@ def draw_case(table: pd.DataFrame, case: str, error: str) -> Figure:
         for panel, knob in zip(panels, knobs, strict=False):
             _over_knob(panel, rows[rows["knob"] == knob], LABELS[knob], UNITS[case])
         _over_time(panels[len(knobs)], rows)
+        legend_above(figure, panels[len(knobs)], len(knobs))
         for panel in panels[count:]:
             panel.remove()
         for panel in panels[:count:columns]:
@@ -68,7 +77,6 @@ def _over_time(panel: Axes, rows: pd.DataFrame) -> None:
     panel.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
     panel.xaxis.set_major_formatter("{x:g}")
     panel.xaxis.set_minor_formatter(NullFormatter())
-    panel.legend(fontsize=7)
     _widen(panel, rows.loc[rows["error"].abs() > 0, "error"].abs())
 
 
@@ -80,7 +88,9 @@ def _widen(panel: Axes, values: pd.Series) -> None:
 
 
 def _plain_ticks(panel: Axes, values: pd.Series) -> None:
-    panel.set_xticks(values.to_numpy(), [f"{value:g}" for value in values], fontsize=8)
+    labels = [f"{value:g}" for value in values]
+    turn = 30 if max(map(len, labels)) > 5 else 0
+    panel.set_xticks(values.to_numpy(), labels, fontsize=8, rotation=turn)
     panel.set_xticks([], minor=True)
 
 
@@ -94,7 +104,7 @@ def draw_teeth(curves: pd.DataFrame, ensemble: pd.DataFrame, peaks: pd.DataFrame
     ensemble : DataFrame
         Columns d, mean, low, high.
     peaks : DataFrame
-        Columns run, first, f_max.
+        Columns run, first, later.
     """
     with paper_style():
         figure, panels = new_figure(1, 3, 2.6)
@@ -122,7 +132,7 @@ def _band(panel: Axes, curves: pd.DataFrame, ensemble: pd.DataFrame) -> None:
 
 def _distribution(panel: Axes, peaks: pd.DataFrame) -> None:
     share = (np.arange(len(peaks)) + 1) / len(peaks)
-    for column, colour, label in (("first", THEORY, "first jam"), ("f_max", SIMULATION, "highest")):
+    for column, colour, label in (("first", THEORY, "first jam"), ("later", SIMULATION, "later")):
         panel.step(np.sort(peaks[column]), share, "o-", where="post", ms=3, color=colour,
                    label=label)  # fmt: skip
     panel.set(title="their peaks", xlabel="$f$", ylabel="share of runs below", ylim=(0, 1.3))
