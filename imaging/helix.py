@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from threadpoolctl import threadpool_limits
 
 from imaging.errors import Unmeasurable
-from imaging.helix_axis import Axis, find_axis, sample, smoothed
+from imaging.helix_axis import Axis, closed, find_axis, sample, smoothed
 from imaging.helix_colours import split_colours
 from imaging.helix_count import (
     HalfTurns,
@@ -21,10 +21,11 @@ from imaging.helix_count import (
     strand_radius,
 )
 from imaging.helix_edges import Edges, find_edges
-from imaging.helix_fit import PENALISED, Fit, first_prior, fit, fit_best, widened
+from imaging.helix_fit import Fit, fit, fit_best, widened
 from imaging.helix_measurement import HelixMeasurement, Start, measurement_of
 from imaging.helix_model import Layout, Model, knots, offsets
 from imaging.helix_pair import pair_membership, rough_radius, twisted_pair
+from imaging.helix_prior import PENALISED, first_prior
 from imaging.photo import Photo
 from imaging.scale import Scale, stated
 from imaging.segment import Segmentation, segment
@@ -32,6 +33,10 @@ from imaging.segment import Segmentation, segment
 Array = np.ndarray
 Mask = np.ndarray
 THIN = 2.5  # px; strands thinner than this have no middle to measure
+UNSEEN = (
+    "no tine is seen; it is taken to be where strands that lie apart come together towards the tip"
+)
+A_TURN = 3  # crossings
 END = 0.25  # pitch; cut ends and clamps are no helix
 
 
@@ -63,7 +68,8 @@ def helix(
     root : {"top", "bottom", "left", "right"}
         The side of the picture towards which the clamped end lies.
     tine : (x, y) or (x, y, radius), optional
-        Where the tine crosses the pair [px]; by default any other colour that covers it.
+        Where the tine crosses the pair [px]; by default any other colour that covers it, else
+        where strands that lie apart come together again on the tip's side, which is warned of.
 
     Returns
     -------
@@ -78,12 +84,17 @@ def helix(
     pair = twisted_pair(segmentation, colours)
     membership = pair_membership(segmentation, pair, photo)
     others = (segmentation.labels > 0) & ~np.isin(segmentation.labels, np.add(pair, 1))
-    start = _first_look(membership, root)
-    hidden, tine_s = _tine(start, others, tine)
+    r = rough_radius(membership > 0.5)
+    bar = _bar(others, r) if tine is None else _disc(tine, r, others.shape)
+    start = _first_look(membership, bar, root)
+    hidden, tine_s = _tine(start, bar, tine)
+    parted = _parted(start) if tine_s is None else None
     # Matrices of a few hundred rows: a second BLAS thread costs five times the time it saves.
     with threadpool_limits(limits=1, user_api="blas"):
         fitted, edges, valid = _fit_all(membership, start, hidden)
-    return measurement_of(start, fitted, edges, valid, tine_s, _per_pixel(scale))
+    place = tine_s if parted is None else parted
+    found = measurement_of(start, fitted, edges, valid, place, _per_pixel(scale))
+    return found if parted is None else replace(found, warnings=(*found.warnings, UNSEEN))
 
 
 def _segmented(picture: Photo | Segmentation) -> tuple[Photo | None, Segmentation]:
@@ -92,7 +103,7 @@ def _segmented(picture: Photo | Segmentation) -> tuple[Photo | None, Segmentatio
     return None, picture
 
 
-def _first_look(membership: np.ndarray, root: str) -> Start:
+def _first_look(membership: np.ndarray, bar: Mask, root: str) -> Start:
     """Axis, radii and half-turns read off without a model."""
     r = rough_radius(membership > 0.5)
     if r < THIN:
@@ -104,7 +115,7 @@ def _first_look(membership: np.ndarray, root: str) -> Start:
     R = max(helix_radius(seen, turns), 0.5 * r)
     pitch = 2 * float(np.median(np.diff(turns.s)))
     # Smoothing cuts the corner of a kink, where sections would then be aslant and look too wide.
-    spread = spread_apart(seen, R, 0.5 * pitch)
+    spread = spread_apart(seen, R, 0.5 * pitch, _covered(bar, axis, r))
     smooth = smoothed(axis, pitch / 4)
     place = _places(smooth, axis)
     turns = replace(turns, s=np.interp(turns.s, place, smooth.s))
@@ -126,29 +137,59 @@ def _sides(membership: np.ndarray, axis: Axis, r: float) -> tuple[float, Look, H
     return r, seen, half_turns(seen, r)
 
 
-def _tine(start: Start, others: Mask, given: tuple[float, ...] | None) -> tuple[Mask, float | None]:
+def _tine(start: Start, bar: Mask, given: tuple[float, ...] | None) -> tuple[Mask, float | None]:
     """Sections a tine hides, and its arclength [px]."""
     s = start.axis.s
     if given is not None:
         centre = float(s[np.argmin(np.linalg.norm(start.axis.points - given[:2], axis=1))])
         reach = given[2] if len(given) > 2 else 2 * start.r
         return np.abs(s - centre) <= reach + 2, centre
-    u = np.arange(-2 * start.r, 2 * start.r + 1, 1.0)
-    bar = _thicker(others, 1.2 * start.r).astype(np.float32)
-    covered = (sample(bar[None], start.axis, u)[0] > 0.5).sum(axis=1) > start.r
+    covered = _covered(bar, start.axis, start.r)
     if not covered.any():
         return np.zeros(len(s), dtype=bool), None
     return np.convolve(covered, np.ones(5), mode="same") > 0, float(np.median(s[covered]))
 
 
-def _thicker(mask: Mask, least: float) -> Mask:
-    """Keep the blobs into which a disc of radius ``least`` [px] fits: a tine, not a highlight."""
+def _disc(tine: tuple[float, ...], r: float, shape: tuple[int, ...]) -> Mask:
+    """Draw where a given tine (x, y) or (x, y, radius) is; two strand radii if not said."""
+    y, x = np.ogrid[: shape[0], : shape[1]]
+    reach = tine[2] if len(tine) > 2 else 2 * r
+    return np.asarray(np.hypot(x - tine[0], y - tine[1]) <= reach)
+
+
+def _parted(start: Start) -> float | None:
+    """Arclength [px] where strands that something holds apart come together, seen from the root.
+
+    Strands that splay to their tips do not come together. Half a pitch on either side of what
+    lies apart is counted as spread.
+    """
+    runs = np.flatnonzero(np.diff(np.r_[0, start.spread.astype(int), 0])).reshape(-1, 2)
+    after_root = runs[(runs[:, 0] > 0) & (runs[:, 1] < len(start.spread))]
+    if not len(after_root):
+        return None
+    first, end = after_root[np.argmax(after_root[:, 1] - after_root[:, 0])]
+    return float(start.axis.s[max(end - int(start.pitch / 2), first)])
+
+
+def _covered(bar: Mask, axis: Axis, r: float) -> Mask:
+    """Sections of which a bar hides more than half a strand's width."""
+    u = np.arange(-2 * r, 2 * r + 1, 1.0)
+    return (sample(bar[None].astype(np.float32), axis, u)[0] > 0.5).sum(axis=1) > r
+
+
+def _bar(mask: Mask, r: float) -> Mask:
+    """Keep the blobs that are thicker than a strand: a tine, not a highlight.
+
+    Where they cross the strands, whose colours may leave a hole in them, they are closed.
+    """
     _, blobs = cv2.connectedComponents(mask.astype(np.uint8))
     depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
     thick = np.zeros(blobs.max() + 1, dtype=bool)
-    thick[np.unique(blobs[depth > least])] = True
+    thick[np.unique(blobs[depth > 1.2 * r])] = True
     thick[0] = False
-    return thick[blobs]
+    return (
+        closed(thick[blobs], min(1.5 * float(depth.max()), 8 * r)) if thick.any() else thick[blobs]
+    )
 
 
 def _fit_all(membership: np.ndarray, start: Start, hidden: Mask) -> tuple[Fit, Edges, Mask]:
@@ -168,17 +209,17 @@ def _fit_all(membership: np.ndarray, start: Start, hidden: Mask) -> tuple[Fit, E
     edges = find_edges(membership, model, valid, max(2.0, 0.7 * start.r))
     fitted = fit(model, edges, first_prior(model, held))
     edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
-    fitted = fit_best(fitted, edges)
+    fitted = fit_best(fitted, edges, held)
     edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
     fitted = fit(fitted.model, edges, fitted.prior, rounds=4)
     return widened(fitted, edges), edges, valid
 
 
 def _first_model(start: Start, shape: tuple[int, ...]) -> Model:
-    """Splines through the first phase; 16 knots a pitch for it, 8 for the axis, one for R."""
+    """Splines through the first phase: 16 knots a pitch, 8 for the axis, 4 for R and the lean."""
     axis, end = start.axis, start.axis.s[-1]
     layout = Layout(
-        *(knots(0.0, end, start.pitch / n) for n in (16, 8, 4)),
+        *(knots(0.0, end, start.pitch / n) for n in (16, 8, 4, 4)),
     )
     beta = np.zeros(layout.size)
     phase = first_phase(start.turns, axis.s)
@@ -192,12 +233,15 @@ def _first_model(start: Start, shape: tuple[int, ...]) -> Model:
 
 
 def _long_enough(valid: Mask, start: Start) -> Mask:
-    """Keep stretches of at least a pitch that hold a crossing."""
+    """Keep stretches of at least a pitch and a turn; in less, phase and radius are not told apart.
+
+    The strands of a turn cross three times, at both its ends and between.
+    """
     edges = np.flatnonzero(np.diff(np.r_[0, valid.astype(int), 0]))
     keep = np.zeros_like(valid)
     for a, b in edges.reshape(-1, 2):
         inside = (start.turns.s >= start.axis.s[a]) & (start.turns.s <= start.axis.s[b - 1])
-        if b - a > start.pitch and inside.any():
+        if b - a > start.pitch and inside.sum() >= A_TURN:
             keep[a:b] = True
     return keep
 

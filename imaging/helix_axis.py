@@ -1,6 +1,7 @@
 """Where the pair of strands runs in the picture: its midline, and sections normal to it."""
 
 from dataclasses import dataclass
+from itertools import chain
 
 import cv2
 import numpy as np
@@ -11,6 +12,8 @@ from skimage.graph import MCP_Geometric
 from imaging.errors import Unmeasurable
 
 Array = np.ndarray
+BRIDGES = (4.0, 8.0, 20.0)  # strand radii of the disc that closes gaps
+WHOLE = 0.9  # of the pair in one piece
 TOWARDS_ROOT = {"top": (0, -1), "bottom": (0, 1), "left": (-1, 0), "right": (1, 0)}
 
 
@@ -52,7 +55,8 @@ def axis_through(points: Array) -> Axis:
 def find_axis(pair: np.ndarray, r: float, *, root: str = "top") -> Axis:
     """Midline of a pair of strands, through gaps as long as a tine is wide.
 
-    Strategy: close the union of both strands until a tine and the hole it spreads are filled,
+    Strategy: close the union of both strands until a tine and the hole it spreads are filled, with
+    a wider disc where that leaves much of the pair apart,
     take the most central path between its two ends, then move that path to the middle of the
     pair's outer edges. The outer edges lie at +-(R|cos(phi)| + r), so their middle is the axis
     whatever the phase, even where one strand is hidden.
@@ -80,7 +84,7 @@ def find_axis(pair: np.ndarray, r: float, *, root: str = "top") -> Axis:
     step = max(1, int(r / 3))
     size = (pair.shape[1] // step, pair.shape[0] // step)
     small = cv2.resize(pair, size, interpolation=cv2.INTER_AREA) > 0.5
-    body = _largest(_closed(small, 4.0 * r / step))
+    body = _body(small, r / step)
     path = step * _central_path(body) + (step - 1) / 2
     if len(path) * step < 8 * r:
         raise Unmeasurable(f"the pair is only {len(path) * step} px long; no axis can be found")
@@ -110,8 +114,18 @@ def sample(maps: np.ndarray, axis: Axis, u: Array) -> Array:
     return np.stack([map_coordinates(m, at, order=1, mode="constant") for m in maps])
 
 
-def _closed(mask: np.ndarray, radius: float) -> np.ndarray:
-    """Morphological closing with a disc, by two distance transforms."""
+def _body(pair: np.ndarray, r: float) -> np.ndarray:
+    """Close the smallest gaps that leave the pair in one piece, else those of a usual tine."""
+    bodies = (_largest(closed(pair, reach * r)) for reach in BRIDGES)
+    first = next(bodies)
+    for body in chain([first], bodies):
+        if (body & pair).sum() > WHOLE * pair.sum():
+            return body
+    return first
+
+
+def closed(mask: np.ndarray, radius: float) -> np.ndarray:
+    """Close a mask with a disc of ``radius`` [px], by two distance transforms."""
     pad = int(radius) + 2
     wide = np.pad(mask, pad)
     grown = cv2.distanceTransform((~wide).astype(np.uint8), cv2.DIST_L2, 5) < radius

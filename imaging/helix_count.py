@@ -80,7 +80,7 @@ def look(s: Array, u: Array, profiles: Array, r: float) -> Look:
     both = widths.min(axis=0) > 0
     separation = np.where(both, np.sign(centres[0] - centres[1]) * size, 0.0)
     # One strand alone is a crossing only when it fills the whole pair and both are near.
-    lonely = ~both & ((widths.max(axis=0) == 0) | ~_near(both, int(5 * r)))
+    lonely = ~both & ((widths.max(axis=0) == 0) | ~_near(both, int(3 * r)))
     return Look(s, np.where(lonely, np.nan, separation), widths[0] - widths[1])
 
 
@@ -139,7 +139,7 @@ def first_phase(turns: HalfTurns, s: Array) -> Array:
     return phase
 
 
-def spread_apart(seen: Look, radius: float, reach: float) -> np.ndarray:
+def spread_apart(seen: Look, radius: float, reach: float, covered: np.ndarray) -> np.ndarray:
     """Sections where the strands lie further apart than a helix of ``radius`` allows, or are lost.
 
     Three fifths more than the typical radius are allowed, for a helix that widens and for sections
@@ -147,6 +147,7 @@ def spread_apart(seen: Look, radius: float, reach: float) -> np.ndarray:
     """
     size = np.abs(seen.separation) / 2
     apart = median_filter(np.nan_to_num(size, nan=np.inf), 5) > 1.6 * radius + 1.0
+    apart &= ~_near(covered, int(radius) + 3)
     return _near(apart, max(int(reach), 1))
 
 

@@ -35,8 +35,6 @@ class Edges:
         +1 towards the axis normal, -1 away from it.
     border : (n,) int array
         OUTER or CONTACT.
-    steepness : (n,) array
-        Fall of the membership across the edge [1/px].
     """
 
     s: Array
@@ -44,7 +42,6 @@ class Edges:
     strand: np.ndarray
     side: np.ndarray
     border: np.ndarray
-    steepness: Array
 
     @property
     def kind(self) -> np.ndarray:
@@ -134,22 +131,20 @@ def _search(
     u = expected[rows, None] + q * outward
     xy = axis.points[rows, None] + u[..., None] * axis.normals[rows, None]
     inside = map_coordinates(coverage, [xy[..., 1], xy[..., 0]], order=1, mode="constant")
-    where, fall = _half_crossing(inside, outward)
+    where = _half_crossing(inside, outward)
     ok = np.isfinite(where)
-    rows, where, fall = rows[ok], where[ok], fall[ok]
+    rows, where = rows[ok], where[ok]
     offset = expected[rows] + q * where
     points = axis.points[rows] + offset[:, None] * axis.normals[rows]
     n = len(rows)
-    return axis.s[rows], points, np.full(n, strand), np.full(n, q), np.full(n, kind), fall
+    return axis.s[rows], points, np.full(n, strand), np.full(n, q), np.full(n, kind)
 
 
-def _half_crossing(inside: Array, outward: Array) -> tuple[Array, Array]:
-    """Where each row falls through one half, nearest to zero, and how steeply; NaN if nowhere."""
+def _half_crossing(inside: Array, outward: Array) -> Array:
+    """Where each row falls through one half, nearest to zero; NaN if nowhere."""
     falls = (inside[:, :-1] > 0.5) & (inside[:, 1:] <= 0.5)
     drop = np.where(falls, inside[:, :-1] - inside[:, 1:], np.inf)
     where = outward[:-1] + STEP * (inside[:, :-1] - 0.5) / drop
     where[~falls] = np.inf
-    best = np.argmin(np.abs(where), axis=1)
-    rows = np.arange(len(inside))
-    nearest = where[rows, best]
-    return np.where(np.isfinite(nearest), nearest, np.nan), drop[rows, best] / STEP
+    nearest = where[np.arange(len(inside)), np.argmin(np.abs(where), axis=1)]
+    return np.where(np.isfinite(nearest), nearest, np.nan)

@@ -9,14 +9,15 @@ import pandas as pd
 from imaging.helix_axis import Axis
 from imaging.helix_count import HalfTurns
 from imaging.helix_edges import Edges
-from imaging.helix_fit import Fit, misfit
+from imaging.helix_fit import Fit, miss, worse
 from imaging.helix_model import Model, basis
+from imaging.helix_space import heading, in_space, link_beyond_phase, sine_of_lean
 
 Array = np.ndarray
 Mask = np.ndarray
 STEEP = np.radians(5.0)  # a lean out of the picture that the user should hear of
-SHADING = 0.1  # px; by which shading moves edges alike at every crossing (measured on drawings)
-MISFIT = 3.0  # times the typical distance of edges from the outline; further off, no helix is
+SHADING = 0.05  # px; by which shading moves edges alike at every crossing (measured on drawings)
+MISFIT = 0.15  # strand radii; where outer edges miss the outline by more, the phase is another
 HIDDEN = 0.5  # pitch; a longer gap may hide a whole turn
 
 
@@ -45,7 +46,8 @@ class HelixMeasurement:
     R, R_sd, r, pitch, pitch_sd : float
         Typical helix radius, strand radius, and pitch (1 / mean link density).
     lean, lean_sd : float
-        Angle [rad] by which the axis leaves the picture, tip away from the viewer; corrected for.
+        Mean angle [rad] by which the axis leaves the picture, tip away from the viewer; lengths are
+        corrected for the angle at each place.
     resolution : float
         Length over which the link density is in effect averaged.
     tine : float or None
@@ -136,17 +138,15 @@ def measurement_of(
         Length of a pixel, its relative sd, unit.
     """
     model, (per_pixel, scale_sd, unit) = fitted.model, scale
-    lean, lean_sd = _lean(fitted)
-    stretch = per_pixel / np.cos(lean)
-    cosine_sd = np.hypot(np.tan(lean) * lean_sd, lean_sd**2 / np.sqrt(2))
-    length_sd = float(np.hypot(scale_sd, cosine_sd))
     t = np.arange(0.0, model.axis.s[-1], max(start.r, 2.0))
-    arc = stretch * _arclength(model)
+    arc = per_pixel * in_space(model)[0]
     s = np.interp(t, model.table.s, arc)
-    wider = misfit(fitted, edges, t, start.pitch / 4)
-    resolved = _resolved(t, edges, valid, wider, start.pitch)
+    resolved = _resolved(t, fitted, edges, valid, start)
+    lean, lean_sd = _lean(fitted, t[resolved])
+    # Where the model misses the edges its errors do not average along them, as noise does.
+    wider = worse(model, fitted.residual, edges, t)
     phase = _phase_table(fitted, t, s, resolved, per_pixel, wider)
-    link = _link_table(fitted, t, s, resolved, stretch, length_sd, wider)
+    link = _link_table(fitted, t, s, resolved, per_pixel, scale_sd, wider)
     phase.attrs |= {"unit": unit, "knot_s": t}
     link.attrs |= {"unit": unit, "resolution": _resolution(fitted, s, resolved)}
     return HelixMeasurement(
@@ -158,20 +158,13 @@ def measurement_of(
         lean_sd=lean_sd,
         resolution=link.attrs["resolution"],
         unit=unit,
-        warnings=tuple(_warnings(start, fitted, s, resolved, lean, unit)),
+        warnings=tuple(_warnings(start, fitted, t, s, resolved, unit)),
         strands=_centrelines(model, t, resolved),
         fit=fitted,
         length_per_pixel=per_pixel,
         r=float(model.part("radii").mean() * per_pixel),
-        **_typical(phase, fitted, length_sd),
+        **_typical(phase, fitted, float(np.hypot(scale_sd, _stretch_sd(lean, lean_sd)))),
     )
-
-
-def _arclength(model: Model) -> Array:
-    """Arclength of the fitted axis in the picture, at the model's table [px]."""
-    speed = model.table.speed
-    steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(model.table.s)
-    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _typical(phase: pd.DataFrame, fitted: Fit, length_sd: float) -> dict[str, Any]:
@@ -201,21 +194,32 @@ def _centrelines(model: Model, t: Array, resolved: Mask) -> tuple[Array, Array]:
     return a, b
 
 
-def _lean(fitted: Fit) -> tuple[float, float]:
-    """Angle out of the picture and its sd, which holds what shading may do to the edges."""
-    where = fitted.model.layout.blocks["lean"].start
-    sine = float(np.clip(fitted.model.beta[where], -0.9, 0.9))
-    radius = float(np.median(fitted.model.part("R")))
-    sd = np.hypot(np.sqrt(fitted.covariance[where, where]), SHADING / radius)
+def _lean(fitted: Fit, t: Array) -> tuple[float, float]:
+    """Mean angle out of the picture and its sd, which holds what shading may do to the edges."""
+    where = fitted.model.layout.blocks["lean"]
+    mean = basis(fitted.model.layout.lean, t).toarray().mean(axis=0)
+    sine = float(np.clip(mean @ fitted.model.part("lean"), -0.9, 0.9))
+    sd = np.hypot(np.sqrt(mean @ fitted.covariance[where, where] @ mean), _shading(fitted))
     return float(np.arcsin(sine)), float(sd / np.sqrt(1 - sine**2))
 
 
-def _resolved(t: Array, edges: Edges, valid: Mask, wider: Array, pitch: float) -> Mask:
-    """Where sections are valid, and edges within an eighth of a pitch are there and fit."""
+def _shading(fitted: Fit) -> float:
+    """Error of the lean's sine that shading may make everywhere alike."""
+    return SHADING / float(np.median(fitted.model.part("R")))
+
+
+def _stretch_sd(lean: float | Array, sd: float | Array) -> Any:
+    """Relative sd of a length divided by the cosine of a lean, to second order."""
+    return np.hypot(np.tan(lean) * sd, np.square(sd) / np.sqrt(2))
+
+
+def _resolved(t: Array, fitted: Fit, edges: Edges, valid: Mask, start: Start) -> Mask:
+    """Where sections are valid, edges within an eighth of a pitch are there, and the model fits."""
     place = np.sort(edges.s)
-    first, last = (np.searchsorted(place, t + side * pitch / 8) for side in (-1, 1))
+    first, last = (np.searchsorted(place, t + side * start.pitch / 8) for side in (-1, 1))
     here = valid[np.minimum(np.rint(t).astype(int), len(valid) - 1)]
-    return here & (last - first > pitch / 8) & (wider < MISFIT)
+    off = miss(fitted.residual, edges, t, start.pitch / 4)
+    return here & (last - first > start.pitch / 8) & (off < MISFIT * start.r)
 
 
 def _phase_table(
@@ -236,37 +240,28 @@ def _phase_table(
 
 
 def _link_table(
-    fitted: Fit, t: Array, s: Array, resolved: Mask, stretch: float, common: float, wider: Array
+    fitted: Fit,
+    t: Array,
+    s: Array,
+    resolved: Mask,
+    per_pixel: float,
+    scale_sd: float,
+    wider: Array,
 ) -> pd.DataFrame:
-    """Link density per length of the axis; ``common`` is that length's relative sd."""
-    table = fitted.model.table
-    per_length = 1 / (2 * np.pi * stretch * np.interp(t, table.s, table.speed))
-    turning, frame = (
+    """Link density per length of the axis in space."""
+    model, table = fitted.model, fitted.model.table
+    pace, beyond, bend = (
         np.interp(t, table.s, np.gradient(along, table.s))
-        for along in (_heading(fitted.model), _frame_turn(fitted.model))
+        for along in (in_space(model)[0], link_beyond_phase(model), heading(model))
     )
-    link = np.where(resolved, (fitted.model.at(t).dphi + frame) * per_length, np.nan)
-    sd = np.hypot(wider * _sd(fitted, "phi", t, 1), np.sin(_lean(fitted)[1]) * turning)
-    sd = np.where(resolved, sd * per_length, np.nan)
-    return pd.DataFrame({"s": s, "link": link, "sd": np.hypot(sd, common * link)})
-
-
-def _heading(model: Model) -> Array:
-    """Direction of the axis in the picture [rad], at the model's table."""
-    x, y = model.table.tangents.T
-    return np.unwrap(np.arctan2(y, x))
-
-
-def _frame_turn(model: Model) -> Array:
-    """Angle [rad] by which the picture's normal has turned about an axis that leans and bends.
-
-    The phase is counted from that normal, which turns about the tangent by the sine of the lean
-    times the change of heading, as the meridian does along a circle of latitude; link is counted
-    in the frame that does not turn.
-    """
-    heading, sine = _heading(model), model.at(model.table.s).lean
-    steps = 0.5 * (sine[1:] + sine[:-1]) * np.diff(heading)
-    return np.concatenate([[0.0], np.cumsum(steps)])
+    per_length = 1 / (2 * np.pi * per_pixel * pace)
+    sine = sine_of_lean(model, t)
+    lean_sd = np.hypot(wider * _sd(fitted, "lean", t), _shading(fitted)) / np.sqrt(1 - sine**2)
+    link = np.where(resolved, (model.at(t).dphi + beyond) * per_length, np.nan)
+    sd = per_length * np.hypot(wider * _sd(fitted, "phi", t, 1), np.sin(lean_sd) * bend)
+    common = np.hypot(scale_sd, _stretch_sd(np.arcsin(sine), lean_sd))
+    sd = np.where(resolved, np.hypot(sd, common * link), np.nan)
+    return pd.DataFrame({"s": s, "link": link, "sd": sd})
 
 
 def _sd(fitted: Fit, name: str, t: Array, derivative: int = 0) -> Array:
@@ -279,16 +274,16 @@ def _sd(fitted: Fit, name: str, t: Array, derivative: int = 0) -> Array:
 
 def _turns(fitted: Fit, start: float, end: float) -> tuple[float, float]:
     """Link between two places of the starting axis [px], and its sd."""
-    where = fitted.model.layout.blocks["phi"]
-    design = basis(fitted.model.layout.phi, np.array([start, end])).toarray()
+    model, where = fitted.model, fitted.model.layout.blocks["phi"]
+    design = basis(model.layout.phi, np.array([start, end])).toarray()
     difference = (design[1] - design[0]) / (2 * np.pi)
     variance = max(float(difference @ fitted.covariance[where, where] @ difference), 0.0)
-    heading, frame = (
-        np.diff(np.interp([start, end], fitted.model.table.s, along))[0] / (2 * np.pi)
-        for along in (_heading(fitted.model), _frame_turn(fitted.model))
+    bend, beyond = (
+        np.diff(np.interp([start, end], model.table.s, along))[0] / (2 * np.pi)
+        for along in (heading(model), link_beyond_phase(model))
     )
-    turns = float(difference @ fitted.model.part("phi") + frame)
-    return turns, float(np.hypot(np.sqrt(variance), np.sin(_lean(fitted)[1]) * heading))
+    turns = float(difference @ model.part("phi") + beyond)
+    return turns, float(np.hypot(np.sqrt(variance), _shading(fitted) * bend))
 
 
 def _resolution(fitted: Fit, s: Array, resolved: Mask) -> float:
@@ -311,15 +306,10 @@ def _crossing_table(start: Start, s: Array) -> pd.DataFrame:
 
 
 def _warnings(
-    start: Start, fitted: Fit, s: Array, resolved: Mask, lean: float, unit: str
+    start: Start, fitted: Fit, t: Array, s: Array, resolved: Mask, unit: str
 ) -> list[str]:
     """Say what the numbers do not: gaps, hidden crossings, a leaning axis, poor fit."""
-    said = []
-    if abs(lean) > STEEP:
-        said.append(
-            f"the axis leans {np.degrees(lean):+.1f} degrees out of the picture (tip away from the "
-            f"viewer > 0); lengths are corrected by {100 * (1 / np.cos(lean) - 1):.2f} %"
-        )
+    said = _leaning(np.arcsin(sine_of_lean(fitted.model, t[resolved])))
     if (start.turns.sure == 0).any():
         said.append(
             f"{int((start.turns.sure == 0).sum())} of {len(start.turns.s)} crossings do not show "
@@ -327,16 +317,33 @@ def _warnings(
         )
     if len(set(np.sign(np.diff(start.turns.phase)))) > 1:
         said.append("not all half-turns have the same sense; total link is their sum")
+    said += _gaps(start, s, resolved, unit)
+    if fitted.noise > 0.1 * start.r:
+        said.append(f"edges scatter by {fitted.noise:.2f} px about the helix; is it one?")
+    return said
+
+
+def _leaning(lean: Array) -> list[str]:
+    if np.abs(lean).max() < STEEP:
+        return []
+    low, high = np.degrees(np.percentile(lean, [0, 100]))
+    longer = 100 * (float(np.mean(1 / np.cos(lean))) - 1)
+    angle = f"{low:+.1f}" if high - low < 1 else f"{low:+.1f} to {high:+.1f}"
+    return [
+        f"the axis leans {angle} degrees out of the picture (tip away from the viewer > 0); "
+        f"lengths are corrected by {longer:.2f} %"
+    ]
+
+
+def _gaps(start: Start, s: Array, resolved: Mask, unit: str) -> list[str]:
     gaps = np.flatnonzero(np.diff(np.r_[1, resolved.astype(int), 1])).reshape(-1, 2)
-    said += [
+    said = [
         f"not resolved from s = {s[a]:.4g} to {s[min(b, len(s) - 1)]:.4g} {unit}" for a, b in gaps
     ]
     longest = max((s[b - 1] - s[a] for a, b in gaps if a > 0 and b < len(s)), default=0.0)
     if longest > HIDDEN * start.pitch * s[-1] / start.axis.s[-1]:
         said.append(
-            "more than half a pitch lies in a gap: whole turns hidden there are missing from the "
-            "total link"
+            "more than half a pitch lies in a gap: the winding across it is not determined, and "
+            "whole turns hidden there are missing from the total link"
         )
-    if fitted.noise > 0.1 * start.r:
-        said.append(f"edges scatter by {fitted.noise:.2f} px about the helix; is it one?")
     return said

@@ -5,8 +5,8 @@ Strand a and b have the centrelines (e = +1, -1)
     C(s) = A(s) + e [R(s) cos(phi(s)) n(s) + T(s) sin(phi(s)) t(s)],   A = A0 + m(s) n0(s),
 
 with n, t the unit normal and tangent of the axis A in the picture. T/R is the sine of the angle
-by which the axis leaves the picture plane, or the slope of the line of sight in a near
-photograph: T/R = tau0 + tau1 y, with y the distance along the axis from the picture's centre.
+by which the axis leaves the picture plane, and the slope of the line of sight in a near
+photograph: T/R = lean(s) + tau y, with y the distance along the axis from the picture's centre.
 A tube's outline in the picture is the curve at distance r from its projected centreline, exactly.
 """
 
@@ -36,17 +36,18 @@ class Values:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the unknowns sit in their vector: splines of phi, m and R, then tau and radii."""
+    """Where the unknowns sit in their vector: four splines, then the line of sight and radii."""
 
     phi: Array
     mid: Array
     R: Array
+    lean: Array
 
     @cached_property
     def blocks(self) -> dict[str, slice]:
-        """Slices of the unknowns ``phi``, ``mid``, ``R``, ``lean`` (2) and ``radii`` (8)."""
-        sizes = {name: len(getattr(self, name)) - 4 for name in ("phi", "mid", "R")}
-        sizes |= {"lean": 2, "radii": 8}
+        """Slices of the unknowns: ``phi, mid, R, lean``, then ``sight`` (1) and ``radii`` (8)."""
+        sizes = {name: len(getattr(self, name)) - 4 for name in ("phi", "mid", "R", "lean")}
+        sizes |= {"sight": 1, "radii": 8}
         ends = np.cumsum(list(sizes.values()))
         return {
             name: slice(int(end) - size, int(end))
@@ -84,14 +85,18 @@ class Model:
             basis(self.layout.phi, s, 1) @ self.part("phi"),
             basis(self.layout.mid, s) @ self.part("mid"),
             basis(self.layout.R, s) @ self.part("R"),
-            self.leaning(s) @ self.part("lean"),
+            basis(self.layout.lean, s) @ self.part("lean") + self.sight(s) @ self.part("sight"),
         )
 
-    def leaning(self, s: Array) -> Array:
-        """Design (n, 2) of T/R: constant, and distance along the axis from the picture's centre."""
+    def sight(self, s: Array) -> Array:
+        """Distance (n, 1) along the axis from the picture's centre, over the axis' length."""
         along = ((self.axis.points - self.centre) * self.axis.tangents).sum(axis=1)
-        length = self.axis.s[-1]
-        return np.column_stack([np.ones(len(s)), np.interp(s, self.axis.s, along) / length])
+        return np.interp(s, self.axis.s, along)[:, None] / self.axis.s[-1]
+
+    @cached_property
+    def pitch(self) -> float:
+        """Typical pitch [px]."""
+        return 2 * np.pi / max(float(np.median(np.abs(self.at(self.axis.s).dphi))), 1e-9)
 
     @cached_property
     def table(self) -> "Table":

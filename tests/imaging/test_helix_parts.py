@@ -9,6 +9,7 @@ from imaging.helix_edges import CONTACT, HIDDEN, OUTER, visible
 from imaging.helix_fit import _correlation
 from imaging.helix_model import Layout, Model, basis, feet, knots, outlines, positions
 from imaging.helix_pair import twisted_pair
+from imaging.helix_space import in_space, link_beyond_phase, writhe_shares
 from imaging.helix_synthetic import bent_axis, draw_helix, tilt_strands, twist_strands
 from imaging.segment import Segmentation
 
@@ -118,12 +119,17 @@ def test_edges_of_strands_apart():
 
 def straight_model(length=400.0, r=6.0, pitch=100.0, lean=0.0):
     axis = axis_through(np.column_stack([np.full(50, 30.0), np.linspace(10, 10 + length, 50)]))
-    layout = Layout(knots(0, length, 10.0), knots(0, length, 20.0), knots(0, length, 50.0))
+    layout = Layout(
+        knots(0, length, 10.0),
+        knots(0, length, 20.0),
+        knots(0, length, 50.0),
+        knots(0, length, 50.0),
+    )
     beta = np.zeros(layout.size)
     beta[layout.blocks["phi"]] = 2 * np.pi * layout.phi[2:-2] / pitch
     beta[layout.blocks["R"]] = r
     beta[layout.blocks["radii"]] = r
-    beta[layout.blocks["lean"]] = lean, 0.0
+    beta[layout.blocks["lean"]] = lean
     return Model(axis, layout, beta, np.array([30.0, 200.0]))
 
 
@@ -162,3 +168,34 @@ def test_the_pair_is_the_two_colours_that_touch_longest():
     labels[:, 10:15], labels[:, 15:20], labels[20:26, 20:60] = 1, 3, 2
     membership = np.stack([(labels == k).astype(np.float32) for k in (1, 2, 3)])
     assert twisted_pair(Segmentation(labels, membership, np.zeros((3, 3)), 5.0)) == (0, 2)
+
+
+def superhelix(turns=6.0, slope=0.5, size=20.0):
+    """Axis (n, 3) wound about the vertical: x right, y down, z away, right-handed."""
+    a = 2 * np.pi * turns * np.linspace(0, 1, 1500)
+    return np.column_stack([size * np.cos(a), size * a / slope, size * np.sin(a)])
+
+
+def test_writhe_of_a_long_superhelix_is_its_solid_angle():
+    """Wr = n (1 - cos(a)) in size for n turns at the angle a from the axis (Fuller 1971)."""
+    for turns in (6.0, 12.0):
+        points = superhelix(turns)
+        wrapped = turns * (1 - np.cos(np.arctan(0.5)))
+        whole = np.sum(writhe_shares(points))
+        inner = np.sum(writhe_shares(points)[375:-375])
+        assert np.sign(whole) == np.sign(np.sum(writhe_shares(points * [1, 1, -1]))) * -1
+        assert abs(inner) == pytest.approx(0.5 * wrapped, rel=0.05)
+
+
+def test_a_plane_axis_has_no_writhe_and_its_link_is_the_phase():
+    model = straight_model()
+    arc, points = in_space(model)
+    assert arc[-1] == pytest.approx(400.0, rel=1e-6)
+    np.testing.assert_allclose(writhe_shares(points), 0.0, atol=1e-12)
+    np.testing.assert_allclose(link_beyond_phase(model), 0.0, atol=1e-9)
+
+
+def test_a_leaning_axis_is_longer_by_the_cosine():
+    arc, points = in_space(straight_model(lean=np.sin(np.radians(20))))
+    assert arc[-1] == pytest.approx(400.0 / np.cos(np.radians(20)), rel=1e-4)
+    assert points[-1, 2] == pytest.approx(400.0 * np.tan(np.radians(20)), rel=1e-4)
