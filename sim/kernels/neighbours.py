@@ -130,11 +130,11 @@ def list_partners(buf, a, contact, edge, heads, following, partner, count):
         b = heads[bucket(cell, heads.size - 1)]
         while b >= 0:
             # Two cells may share a bucket: count an element only in the cell it is in.
-            here = cell_of(buf, b, edge) == cell
-            if here and eligible(contact, a, b) and may_touch(buf, a, b, contact.skin):
-                if count < partner.size:
-                    partner[count] = b
-                count += 1
+            if eligible(contact, a, b) and cell_of(buf, b, edge) == cell:  # noqa: SIM102
+                if may_touch(buf, a, b, contact.skin):
+                    if count < partner.size:
+                        partner[count] = b
+                    count += 1
             b = following[b]
     return count
 
@@ -172,15 +172,29 @@ def keep_in_play(buf, n, contact):
     wider = 2.0 if play[1] < OFTEN else (0.5 if play[1] > SELDOM else 1.0)
     play[0] = min(max(wider * play[0], FINEST * contact.skin), COARSEST * contact.skin)
     play[1] = 0.0
+    shortest, longest = lengths_now(buf, n)
+    turn = 2.0 / max(shortest - play[0], 1e-300)
     for a in range(n):
         contact.stop[a] = contact.start[a]
         for k in range(contact.start[a], contact.start[a + 1]):
-            if is_in_play(buf, a, contact.partner[k], play[0]):
+            if is_in_play(buf, a, contact.partner[k], play[0], turn, longest):
                 bring_forward(contact, a, k)
             elif contact.slip.shape[0] > 1:
                 contact.slip[k, 0] = contact.slip[k, 1] = contact.slip[k, 2] = 0.0
     for i in range(n):
         contact.anchor[0, i], contact.anchor[1, i], contact.anchor[2, i] = at(buf, X0, X1, X2, i)
+
+
+@kernel
+def lengths_now(buf, n):
+    """Return the lengths of the shortest and of the longest element as they are now [m]."""
+    least, most = np.inf, 0.0
+    for i in range(n):
+        if buf[LENGTH + i] > 0.0:
+            step = minus(at(buf, X0, X1, X2, i + 1), at(buf, X0, X1, X2, i))
+            square = dot(step, step)
+            least, most = min(least, square), max(most, square)
+    return math.sqrt(least), math.sqrt(most)
 
 
 @kernel
@@ -195,32 +209,24 @@ def left_anchor(buf, n, anchor, limit):
 
 
 @kernel
-def is_in_play(buf, a, b, play):
+def is_in_play(buf, a, b, play, turn, longest):
     """Tell whether elements a and b may touch before a node has moved by `play`.
 
-    A point in contact with b is at most reach + |u| from either end of b, so while the unit vectors
-    along b and its neighbours turn by up to 2 play/(length - play), the planes at b's ends shift by
-    no more than `shift` there.
+    Meanwhile the unit vectors along elements turn by up to ``turn * play``, the planes at b's ends
+    with them, and a point in contact with b stays within reach + length of either end of b.
     """
     p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
-    u, reach = minus(at(buf, X0, X1, X2, b + 1), q0), buf[RADIUS + a] + buf[RADIUS + b]
-    length = math.sqrt(dot(u, u))
-    arm = 2.0 * play * (reach + length + 2.0 * play)
-    low = 4.0 * play + arm * (steep(buf, b, play) + buf[PREVIOUS + b] * steep(buf, b - 1, play))
-    top = 4.0 * play + arm * (steep(buf, b, play) + buf[NEXT + b + 1] * steep(buf, b + 1, play))
+    reach = buf[RADIUS + a] + buf[RADIUS + b]
+    shift = play * turn * (reach + longest + 2.0 * play)  # of a plane for each vector in its normal
+    low = 4.0 * play + shift * (1.0 + buf[PREVIOUS + b])
+    top = 4.0 * play + shift * (1.0 + buf[NEXT + b + 1])
     start, end = interval(
-        minus(p0, q0), minus(at(buf, X0, X1, X2, a + 1), p0), u,
+        minus(p0, q0), minus(at(buf, X0, X1, X2, a + 1), p0),
+        minus(at(buf, X0, X1, X2, b + 1), q0),
         at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1),
         buf[OVERHANG + b] + low, buf[OVERHANG + b + 1] + top, reach + 2.0 * play,
     )  # fmt: skip
     return start < end
-
-
-@kernel
-def steep(buf, i, play):
-    """Return 1/(length - play) of element i [1/m], huge for one that is hardly longer than that."""
-    step = minus(at(buf, X0, X1, X2, i + 1), at(buf, X0, X1, X2, i))
-    return 1.0 / max(math.sqrt(dot(step, step)) - play, 1e-300)
 
 
 @kernel
