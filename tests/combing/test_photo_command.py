@@ -91,6 +91,7 @@ def test_a_batch_goes_on_and_says_what_was_refused(pictures, tmp_path, capsys):
     assert "cannot be read" in rows["cut.jpg"]["refused"]
     assert {p.name for p in tmp_path.iterdir() if p.is_dir()} == {"a", "b"}
     assert set(pd.read_csv(tmp_path / "strands.csv")["photo"]) == {"a.png", "b.png"}
+    assert (tmp_path / "kymograph.png").stat().st_size > 1000
 
 
 def test_a_batch_takes_up_where_it_stopped(pictures, tmp_path):
