@@ -57,13 +57,13 @@ def write(path: Path, rows: int, notation: tuple) -> None:
 
 
 def seconds(calls: list[Callable[[], object]], repeats: int) -> list[float]:
-    """Return each call's shortest duration, taken in turns so that other load hits all alike."""
+    """Return each call's least processor time, taken in turns so that other load hits all alike."""
     best = [float("inf")] * len(calls)
     for _ in range(repeats + 1):
         for number, call in enumerate(calls):
-            start = time.perf_counter()
+            start = time.process_time()
             call()
-            best[number] = min(best[number], time.perf_counter() - start)
+            best[number] = min(best[number], time.process_time() - start)
     return best
 
 

@@ -17,7 +17,7 @@ from instron.errors import Unreadable
 from instron.layout import Header, find_header, is_row, split_cells
 from instron.marks import QUOTE, TORN, marks_of
 from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
-from instron.source import CHUNK, NEWLINE, RETURN, Source, refuse_lone_returns
+from instron.source import CHUNK, NEWLINE, Source, refuse_lone_returns
 
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
 
@@ -134,11 +134,12 @@ def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> 
         return True
     breaks = 0
     for _, piece in source.chunks(max(start - 1, 0), overlap=2):
-        ends = piece == NEWLINE
-        breaks += int(np.count_nonzero(ends[1 : CHUNK + 1]))
-        edges = ends | (piece == ord({"spaces": " "}.get(delimiter, delimiter)))
-        closed = edges[2:] | (piece[2:] == RETURN)
-        if ((piece[1:-1] == QUOTE) & ~(edges[:-2] | closed)).any():
+        breaks += int(np.count_nonzero(piece[1 : CHUNK + 1] == NEWLINE))
+        # Comma, TAB and line ends come before "-"; other such characters make no number anyway.
+        edges = piece < ord("-")
+        if delimiter in ";|":
+            edges |= piece == ord(delimiter)
+        if ((piece[1:-1] == QUOTE) > (edges[:-2] | edges[2:])).any():
             return False
     tail = source.data[-1000:]
     blank = max(tail[len(tail.rstrip(b"\r\n")) :].count(b"\n") - 1, 0)

@@ -43,10 +43,13 @@ def refuse_moved_points(
     column's usual step, of a power of ten, go both ways, and not always from the same level as
     those of a square wave.
     """
-    steps = np.abs(np.diff(values))
+    steps = np.diff(values)
+    np.abs(steps, out=steps)
     some = steps[:: len(steps) // 10_000 + 1]
     usual = float(np.median(some[some > 0])) if some.any() else 0.0
-    least = 0.05 * np.abs(values).max()
+    if steps.max(initial=0.0) <= 20 * usual:
+        return
+    least = 0.05 * max(values.max(), -values.min())
     large = np.flatnonzero(steps > 20 * usual)
     before, after = np.abs(values[large]), np.abs(values[large + 1])
     counts = (np.minimum(before, after) > 0) & (np.maximum(before, after) > least)
@@ -64,11 +67,16 @@ def refuse_moved_points(
     )
 
 
+def _whole(values: np.ndarray) -> bool:
+    """Tell whether all are whole numbers; mostly the first thousand show that they are not."""
+    return all(np.array_equal(part, np.round(part)) for part in (values[:1000], values))
+
+
 def refuse_torn_decimals(where: str, columns: Sequence[np.ndarray], time: np.ndarray) -> None:
     """Refuse whole numbers only whose times mostly repeat: what decimal commas leave of 0,1 0,2."""
-    if len(time) < 50 or np.median(np.diff(time)) != 0:
+    if len(time) < 50 or not all(map(_whole, columns)):
         return
-    if all(np.array_equal(values, np.round(values)) for values in columns):
+    if np.median(np.diff(time)) == 0:
         raise Unreadable(
             f"{where}: whole numbers only, and most times repeat: decimal commas without quotes?"
         )
@@ -110,8 +118,8 @@ def milliseconds(table: pd.DataFrame, metadata: Mapping[str, str]) -> list[str]:
     if len(time) < 10 or not duration >= len(time) - 1:
         return []
     speed = np.ptp(travel) / duration
-    slow = SLOW_AND_SPARSE if np.median(np.diff(time)) >= 2 else SLOW
-    whole = np.array_equal(time, np.round(time)) and 0 < speed < slow
+    sparse = 0 < speed < SLOW_AND_SPARSE and _whole(time) and np.median(np.diff(time)) >= 2
+    whole = sparse or (0 < speed < SLOW and _whole(time))
     if whole or any(300 < ratio < 3000 for ratio in _ratios(metadata, speed)):
         return [
             f"time may be in ms although the header says s: {duration:g} s long, crosshead at"
