@@ -1,6 +1,7 @@
 """A run that is stopped, by whatever means, goes on later as if it had not been."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -62,7 +63,7 @@ import sim
 from sim.scene import Scene
 
 def progress(done):
-    if done > 0.4:
+    if done > float(sys.argv[3]):
         os.kill(os.getpid(), signal.SIGKILL)
 
 scene = Scene.model_validate_json(Path(sys.argv[1]).read_text())
@@ -70,14 +71,18 @@ sim.simulate(scene, sys.argv[2], progress=progress, checkpoint_every=0.0)
 """
 
 
+def simulate_elsewhere(folder, name, kill_after):
+    """Simulate in a process that has done nothing else, and return how it ended."""
+    command = [sys.executable, "-c", KILLED, "scene.json", name, str(kill_after)]
+    environment = {**os.environ, "PYTHONPATH": str(Path(sim.__file__).parents[1])}
+    return subprocess.run(command, cwd=folder, env=environment, check=False).returncode
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
-def test_a_killed_run_resumes_and_ends_bitwise_as_if_uninterrupted(tmp_path, uninterrupted):
+def test_a_killed_run_resumes_and_ends_bitwise_as_if_uninterrupted(tmp_path):
     (tmp_path / "scene.json").write_text(scene().model_dump_json())
-    path = tmp_path / "run.nc"
-    root = Path(sim.__file__).parents[1]
-    killed = subprocess.run([sys.executable, "-c", KILLED, "scene.json", "run.nc"],
-                            cwd=tmp_path, env={"PYTHONPATH": str(root)}, check=False)  # fmt: skip
-    assert killed.returncode == -signal.SIGKILL
+    assert simulate_elsewhere(tmp_path, "whole.nc", kill_after=2) == 0
+    assert simulate_elsewhere(tmp_path, "run.nc", kill_after=0.4) == -signal.SIGKILL
     part = tmp_path / "run.nc.part"
     with np.load(part / "checkpoint.npz") as saved:
         assert saved["effects.contact.slip"].any()
@@ -85,9 +90,12 @@ def test_a_killed_run_resumes_and_ends_bitwise_as_if_uninterrupted(tmp_path, uni
     for name in ("samples.f64", "snapshots.f64"):  # killed in the middle of writing, too
         with (part / name).open("ab") as table:
             table.write(b"rows and a half, " * 999)
-    stopped_run(path, 0.45)  # between two snapshots, its checkpoint counts what it has cut off
-    assert_equal_to_the_last_bit(sim.simulate(scene(), path), uninterrupted)
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["run.nc", "scene.json"]
+    # Between two snapshots: its checkpoint counts what it has cut off.
+    assert simulate_elsewhere(tmp_path, "run.nc", kill_after=0.55) == -signal.SIGKILL
+    assert simulate_elsewhere(tmp_path, "run.nc", kill_after=2) == 0
+    whole, run = (sim.open_run(tmp_path / name) for name in ("whole.nc", "run.nc"))
+    assert_equal_to_the_last_bit(run, whole)
+    assert not part.exists()
 
 
 SUMMED = """
