@@ -15,7 +15,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import imaging_curls
@@ -25,14 +25,17 @@ import pandas as pd
 from PIL import Image
 
 from imaging import Photo, crossings, read_photo, segment, trace
+from imaging.measure import measure
 from imaging.overlay import draw_overlay
+from imaging.synthetic import Look, random_curl, render
 
 HERE = Path(__file__).parent
 GOOD, BAD = 4, 8  # tiles on a sheet
 CURLS = 12  # drawn curls from which the sheet's are chosen
+SIX = 6  # strands in the pictures of bad light
 COLUMNS, TILE = 4, (300, 400)  # px wide and high
 STRIP = 22  # px; the caption under a tile
-INKS = 40  # colours of a sheet, so that it stays small
+INKS = 200  # colours of a sheet, so that it stays small
 
 
 class Tile(NamedTuple):
@@ -95,13 +98,47 @@ def curl_tiles() -> list[Tile]:
     return tiles
 
 
+def hard_tiles() -> list[Tile]:
+    """Draw six strands in good light and in conditions that a laboratory should avoid."""
+    looks: dict[str, dict[str, Any]] = {
+        "good light": {},
+        "on black": {"background": (0.04, 0.04, 0.05)},
+        "on grey": {"background": (0.45, 0.45, 0.45)},
+        "half in the dark": {"uneven": 0.9},
+        "glossy": {"highlight": 0.8},
+        "blur 2 px": {"blur": 2.0},
+        "blur 3.5 px": {"blur": 3.5},
+        "noise 8 %": {"noise": 0.08},
+    }
+    tiles = []
+    for rank, (name, changes) in enumerate(looks.items()):
+        lines, heights = random_curl(SIX, 420, 150, rng=3)
+        lines = [line + [160, 20] for line in lines]
+        colours = imaging_curls.PALETTE[:SIX]
+        look = Look(**changes)
+        photo = Photo(render(lines, heights, colours, 2.8, (460, 320), look=look, rng=3).pixels)
+        right, notes = hard_score(photo, lines)
+        caption = f"{name}: {right} of {SIX} strands{notes}"
+        tiles.append(Tile(rank, caption, lambda photo=photo: overlay(photo)))
+    return tiles
+
+
+def hard_score(photo: Photo, lines: list[np.ndarray]) -> tuple[int, str]:
+    """Strands that are right, and the first word of each note."""
+    found = measure(photo)
+    right = sum(imaging_curls.right(line, found.strands) for line in lines)
+    return right, "".join(f", {note.split(':')[0].split(';')[0]}" for note in found.notes)
+
+
 def sheet(tiles: Sequence[Tile], path: Path) -> None:
     """Draw the best tiles first, then the worst, the very worst last, as a small PNG."""
     ranked = sorted(tiles, key=lambda tile: tile.badness)
     shown = [_drawn(tile) for tile in [*ranked[:GOOD], *ranked[GOOD:][-BAD:]]]
+    shown += [np.full_like(shown[0], 255)] * (-len(shown) % COLUMNS)
     rows = [np.hstack(shown[i : i + COLUMNS]) for i in range(0, len(shown), COLUMNS)]
     picture = Image.fromarray(np.vstack(rows))
-    picture.quantize(INKS, dither=Image.Dither.NONE).save(path, optimize=True)
+    few = picture.quantize(INKS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few.save(path, optimize=True)
     print(f"{path}: {path.stat().st_size / 1e3:.0f} kB")
 
 
@@ -134,6 +171,7 @@ def main() -> None:
         if imaging_mbest.FOLDER.is_dir():
             sheet(mbest_tiles(), asked.sheets / "imaging_mbest.png")
         sheet(curl_tiles(), asked.sheets / "imaging_curls.png")
+        sheet(hard_tiles(), asked.sheets / "imaging_hard.png")
 
 
 if __name__ == "__main__":
