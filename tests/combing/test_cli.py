@@ -42,6 +42,6 @@ def test_debug_shows_the_traceback(capsys):
 
 
 def test_a_defect_of_ours_is_not_passed_off_as_the_users(monkeypatch):
-    monkeypatch.setattr("sim.load_scene", lambda path: 1 / 0, raising=False)
+    monkeypatch.setattr("sim.load_scene", lambda path, **overrides: 1 / 0, raising=False)
     with pytest.raises(ZeroDivisionError):
         main(["simulate", "scene.toml"])
