@@ -167,7 +167,7 @@ def _parted(start: Start) -> float | None:
     after_root = runs[(runs[:, 0] > 0) & (runs[:, 1] < len(start.spread))]
     if not len(after_root):
         return None
-    first, end = after_root[np.argmax(after_root[:, 1] - after_root[:, 0])]
+    first, end = after_root[-1]
     return float(start.axis.s[max(end - int(start.pitch / 2), first)])
 
 

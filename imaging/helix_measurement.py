@@ -16,6 +16,7 @@ from imaging.helix_space import heading, in_space, link_beyond_phase, sine_of_le
 Array = np.ndarray
 Mask = np.ndarray
 STEEP = np.radians(5.0)  # a lean out of the picture that the user should hear of
+NEAR_END_ON = np.radians(45.0)  # a lean that foreshortens too much to be measured
 SHADING = 0.05  # px; by which shading moves edges alike at every crossing (measured on drawings)
 MISFIT = 0.15  # strand radii; where outer edges miss the outline by more, the phase is another
 HIDDEN = 0.5  # pitch; a longer gap may hide a whole turn
@@ -98,7 +99,8 @@ class HelixMeasurement:
         first, last = (self.phase.iloc[i] for i in rows)
         length = last["s"] - first["s"]
         turns, sd = _turns(self.fit, *(self.phase.attrs["knot_s"][i] for i in rows))
-        return turns / length, sd / length
+        # The pitch's sd holds that of lengths: scale, lean and shading.
+        return turns / length, float(np.hypot(sd, turns * self.pitch_sd / self.pitch)) / length
 
 
 @dataclass(frozen=True)
@@ -214,12 +216,17 @@ def _stretch_sd(lean: float | Array, sd: float | Array) -> Any:
 
 
 def _resolved(t: Array, fitted: Fit, edges: Edges, valid: Mask, start: Start) -> Mask:
-    """Where sections are valid, edges within an eighth of a pitch are there, and the model fits."""
+    """Where sections are valid, edges within an eighth of a pitch are there, and the model fits.
+
+    Not within a quarter of a pitch of an axis that leans by more than NEAR_END_ON.
+    """
     place = np.sort(edges.s)
     first, last = (np.searchsorted(place, t + side * start.pitch / 8) for side in (-1, 1))
     here = valid[np.minimum(np.rint(t).astype(int), len(valid) - 1)]
     off = miss(fitted.residual, edges, t, start.pitch / 4)
-    return here & (last - first > start.pitch / 8) & (off < MISFIT * start.r)
+    here &= (last - first > start.pitch / 8) & (off < MISFIT * start.r)
+    steep = t[here & (np.abs(sine_of_lean(fitted.model, t)) > np.sin(NEAR_END_ON))]
+    return here & ~np.any(np.abs(t[:, None] - steep) < start.pitch / 4, axis=1)
 
 
 def _phase_table(

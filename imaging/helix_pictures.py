@@ -76,7 +76,12 @@ def sequence_figure(sequence: HelixSequence) -> Figure:
     axes.axhline(0, color="0.6", lw=0.8)
     axes.set_xlabel(f"arclength $s$ from the root [{unit}]")
     axes.set_ylabel(r"$\Delta\lambda/\lambda_0$")
-    axes.legend(frameon=False, title="tine (dotted)")
+    known = sequence.profiles["change"].dropna()
+    if len(known):  # a wide band must not flatten the curves
+        low, high = np.percentile(known, [0.5, 99.5])
+        room = 0.3 * max(high - low, 0.1)
+        axes.set_ylim(low - room, high + room)
+    figure.legend(loc="outside right upper", frameon=False, title="tine (dotted)")
     return figure
 
 
