@@ -2,10 +2,10 @@
 
     python benchmarks/sim_scaling.py            # table, and docs/figures/sim_scaling.png
 
-Straight strands of 100 elements lie on a square grid, touching their neighbours: the number of
-pairs in contact grows with the elements, and most are of strands far apart. Processor time of one
-core, the best of several marches. Memory is the resident size of a fresh process that has taken
-steps, less that of one with a single strand.
+Straight strands of 50 elements lie two by two against each other, the couples on a square grid:
+every element has the same neighbours however many there are. Processor time of one core, the best
+of several marches. Memory is the resident size of a fresh process that has taken steps, less that
+of one with a single couple.
 """
 
 import argparse
@@ -24,16 +24,19 @@ from sim.explicit import Explicit
 from sim.scene import Contact, Material, Rod, Scene, Straight
 
 SIZES = (100, 300, 1000, 3000, 10_000, 30_000, 100_000)
-NYLON, RADIUS, PER_ROD = Material(E=2e8, density=1140), 4e-4, 100
+NYLON, RADIUS, PER_ROD = Material(E=2e8, density=1140), 4e-4, 50
 FIGURE = Path(__file__).parents[1] / "docs" / "figures" / "sim_scaling.png"
 
 
 def scene(elements, contact):
-    """Return strands on a square grid, 1.99 radii apart, shaken a little along themselves."""
-    count = max(1, elements // PER_ROD)
-    side, gap = math.ceil(math.sqrt(count)), 1.99 * RADIUS
-    rng = np.random.default_rng(0)
-    roots = [(gap * (k % side), gap * (k // side), 1e-3 * rng.random()) for k in range(count)]
+    """Return couples of strands that overlap by half a per cent, 6 radii apart."""
+    couples = elements // (2 * PER_ROD)
+    side = math.ceil(math.sqrt(couples))
+    roots = [
+        (6 * RADIUS * (k % side) + beside, 6 * RADIUS * (k // side), 0.4 * beside)
+        for k in range(couples)
+        for beside in (0.0, 1.99 * RADIUS)
+    ]
     rods = [
         Rod(shape=Straight(root=root, length=1.5 * RADIUS * PER_ROD), radius=RADIUS,
             elements=PER_ROD, material=NYLON) for root in roots
@@ -55,7 +58,7 @@ def step_time(elements, contact):
 
 
 def resident(elements, contact):
-    """Return the largest resident size of a fresh process that marches this scene [bytes]."""
+    """Return the resident size of a fresh process that has marched this scene [bytes]."""
     code = f"import sim_scaling; sim_scaling.take_steps_and_tell({elements}, {contact})"
     found = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parent, check=True,
                            capture_output=True, text=True)  # fmt: skip
@@ -63,8 +66,10 @@ def resident(elements, contact):
 
 
 def take_steps_and_tell(elements, contact):
-    Explicit(scene(elements, contact)).advance(2)
-    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
+    march = Explicit(scene(elements, contact))
+    march.advance(2)
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    print(pages * resource.getpagesize())
 
 
 def slope(sizes, times):
