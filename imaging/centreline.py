@@ -6,8 +6,11 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 from scipy import ndimage
+from scipy.interpolate import CubicSpline
 from scipy.linalg import solveh_banded
 
+ROWS = 10  # cross-sections in each strand width of length, at most one a pixel
+AROUND = 20.0  # strand widths over which a strand's width is averaged
 SAMPLES = 16  # across a strand's width
 FINEST = 0.35  # px between samples; a picture holds no more
 BEYOND = 0.75  # px beyond an edge where the background must show, or else the edge is hidden
@@ -147,24 +150,37 @@ def refine(
     hidden the smoothing spline bridges with least bending. `place`, if given, is asked instead for
     the offset and its relative sd wherever an edge is hidden.
     """
-    even = resample(line)
-    smooth = _smoothed(even, np.ones(len(even)), width)
+    step = max(1.0, width / ROWS)
+    even = resample(line, step)
+    smooth = _smoothed(even, np.ones(len(even)), width / step)
     for _ in range(rounds):  # again on the moved line, whose normals are better
-        smooth = resample(smooth)
+        smooth = resample(smooth, step)
         low, high = edges(smooth, own, strand, width)
-        local = _local_width(low, high, width)
+        local = _local_width(low, high, width, int(AROUND * width / step))
         offset, sd = _offsets(low, high, local)
         if place is not None:
             unsure = sd != 1
             there, spread = place(smooth, unsure)
             offset, sd = np.where(unsure, there, offset), np.where(unsure, spread, sd)
         moved = smooth + offset[:, None] * normals(smooth)
-        smooth = _smoothed(moved, np.where(np.isfinite(sd), 1 / np.square(sd), 0), width)
+        smooth = _smoothed(moved, np.where(np.isfinite(sd), 1 / np.square(sd), 0), width / step)
     seen = np.where(np.isfinite(sd), np.isfinite(low).astype(int) + np.isfinite(high), 0)
-    return Centreline(smooth, local, _spread(moved, smooth, sd, seen == 2, width), seen)
+    spread = _spread(moved, smooth, sd, seen == 2, width)
+    return _dense(Centreline(smooth, local, spread, seen), step)
 
 
-def _local_width(low: np.ndarray, high: np.ndarray, width: float) -> np.ndarray:
+def _dense(found: Centreline, step: float) -> Centreline:
+    """Points about 1 px apart, on the cubic through points about `step` apart."""
+    if step == 1 or len(found.line) < 4:
+        return found
+    s = arclength(found.line)
+    fine = np.linspace(0, s[-1], int(round(s[-1])) + 1)
+    nearest = np.rint(np.interp(fine, s, np.arange(len(s)))).astype(int)
+    width, sd = np.interp(fine, s, found.width), np.interp(fine, s, found.sd)
+    return Centreline(CubicSpline(s, found.line)(fine), width, sd, found.edges[nearest])
+
+
+def _local_width(low: np.ndarray, high: np.ndarray, width: float, around: int) -> np.ndarray:
     """Return the running mean of the width where both edges show, filled in elsewhere."""
     span = high - low
     known = np.isfinite(span) & (span < 1.6 * width)
@@ -173,7 +189,7 @@ def _local_width(low: np.ndarray, high: np.ndarray, width: float) -> np.ndarray:
     at = np.flatnonzero(known)
     typical = np.median(span[at])
     filled = np.interp(np.arange(len(span)), at, np.clip(span[at], 0.7 * typical, 1.3 * typical))
-    return ndimage.uniform_filter1d(filled, int(20 * width) | 1, mode="nearest")
+    return ndimage.uniform_filter1d(filled, around | 1, mode="nearest")
 
 
 def _offsets(low: np.ndarray, high: np.ndarray, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -189,7 +205,7 @@ def _offsets(low: np.ndarray, high: np.ndarray, local: np.ndarray) -> tuple[np.n
 
 
 def _smoothed(points: np.ndarray, weight: np.ndarray, width: float) -> np.ndarray:
-    """Smooth evenly spaced points; half power at a wave of SHORTEST_WAVE widths.
+    """Smooth evenly spaced points; half power at a wave of SHORTEST_WAVE widths [points].
 
     Minimises sum w |p - z|^2 + lam sum |second difference of z|^2 (Whittaker 1923), the discrete
     smoothing spline: where nothing is seen (w = 0) it bridges with least bending.
@@ -217,13 +233,14 @@ def _spread(
     seen = np.isfinite(sd)
     if not seen.any():
         return np.full(len(smooth), width)
+    step = arclength(smooth)[-1] / max(len(smooth) - 1, 1)
     rest = ((moved - smooth) * normals(smooth)).sum(axis=1)[seen] / sd[seen]
     noise = 1.4826 * float(np.median(np.abs(rest)))
     at = np.flatnonzero(seen)
     index = np.arange(len(smooth))
     right = at[np.searchsorted(at, index).clip(0, len(at) - 1)]
     left = at[(np.searchsorted(at, index, side="right") - 1).clip(0, len(at) - 1)]
-    away = np.minimum(np.abs(index - left), np.abs(right - index))
+    away = np.minimum(np.abs(index - left), np.abs(right - index)) * step
     bias = width * np.where(both, SHADING_SD, np.hypot(SHADING_SD, ONE_EDGE_SD))
     growth = HIDDEN_GROWTH * away**1.5 / np.sqrt(width)
     return np.sqrt(noise**2 + bias**2 + growth**2 + (VALLEY * width * np.where(seen, sd, 0)) ** 2)

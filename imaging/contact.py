@@ -17,7 +17,7 @@ import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
-from imaging.centreline import normals, sample
+from imaging.centreline import arclength, normals, sample
 
 SEARCH = 1.2  # strand widths to either side in which a strand may be
 SIGHT = 1.8  # strand widths to either side that are looked at
@@ -75,7 +75,7 @@ def place(
     Parameters
     ----------
     line : (n, 2) array
-        Points about 1 px apart.
+        Evenly spaced points.
     unsure : (n,) bool array
         Where to look.
     own : Known
@@ -94,7 +94,8 @@ def place(
     """
     width = float(np.median(own.width))
     offset, sd = np.zeros(len(line)), np.full(len(line), np.nan)
-    rows = np.flatnonzero(ndimage.binary_dilation(unsure, iterations=int(2 * ALONG * width) + 1))
+    along = ALONG * width * (len(line) - 1) / arclength(line)[-1]
+    rows = np.flatnonzero(ndimage.binary_dilation(unsure, iterations=int(2 * along) + 1))
     if len(rows) == 0:
         return offset, sd
     reach = round(SIGHT / STEP)
@@ -103,7 +104,7 @@ def place(
     nearest = own.points.query(line[rows])[1]
     ground, mine = _taken_apart(at, own.colour[nearest], others, picture, width)
     cost = _cost(ground, mine)
-    cost = ndimage.gaussian_filter1d(cost, ALONG * width, axis=0, mode="nearest")
+    cost = ndimage.gaussian_filter1d(cost, along, axis=0, mode="nearest")
     middle, half = _valley(cost)
     offset[rows], sd[rows] = middle * width, half / UNIT
     return offset, sd

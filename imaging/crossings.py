@@ -40,6 +40,7 @@ COLUMNS = [
 CORE = 0.35  # strand widths from both centrelines within which a pixel votes on who is on top
 APART = 0.75  # of their joint sd; two lines that part by less between crossings are one contact
 DOUBT = 0.7  # a smaller share of the votes is "unknown"
+MISTAKE = 0.25  # share of witnesses that are wrong, where labels are mixed up at all
 PIXELS_PER_VOTE = 4.0  # neighbouring pixels share blur and are not independent witnesses
 
 
@@ -185,13 +186,12 @@ def _over(
 
 
 def _verdict(for_a: int, for_b: int) -> tuple[float, float]:
-    """Share of the majority, and Laplace's estimate of its being right from few witnesses."""
+    """Share of the majority, and the odds for it of witnesses each wrong MISTAKE of the time."""
     total = for_a + for_b
     if total == 0:
         return 0.0, 0.5
-    most = max(for_a, for_b)
-    witnesses = total / PIXELS_PER_VOTE
-    return most / total, (most / PIXELS_PER_VOTE + 1) / (witnesses + 2)
+    lead = abs(for_a - for_b) / PIXELS_PER_VOTE
+    return max(for_a, for_b) / total, 1 / (1 + (MISTAKE / (1 - MISTAKE)) ** lead)
 
 
 def _labels_in_overlap(hit: Hit, lines: list[np.ndarray], segmentation: Segmentation) -> np.ndarray:

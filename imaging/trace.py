@@ -134,7 +134,7 @@ def _centred(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: flo
     """Skeleton -> middle of the strand; a skeleton leans away from whatever hides a side."""
     if len(path) <= 1.5 * width:
         return path
-    return refine(path, own, coverage, width).line
+    return refine(path, own, coverage, width, rounds=1).line
 
 
 def _connected(
