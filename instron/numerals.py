@@ -60,12 +60,12 @@ def decimal_mark(cells: Sequence[str]) -> str:
         )
     proven = proofs["."] or proofs[","]
     marked = [i for i, c in enumerate(cells) if "," in c or "." in c]
-    if len(proven) > 1 or (proven and (len(marked) == 1 or _MARKS.search(cells[proven[0]]))):
+    if len(proven) > 1 or (proven and (len(cells) == 1 or _MARKS.search(cells[proven[0]]))):
         return "." if proofs["."] else ","
     if not marked:
         return "."
     # A single cell may be damaged: 96.80 that was 96.800 would turn its whole file around.
-    unsure = next(i for i in marked if i not in proven)
+    unsure = next((i for i in marked if i not in proven), marked[0])
     tells = f"only '{cells[proven[0]]}' tells" if proven else "no number tells"
     raise Unclear(f"'{cells[unsure]}' could be a decimal or a thousand: {tells}", unsure)
 

@@ -128,6 +128,10 @@ REFUSED = {
         "Time,Extension,Load\n(s),(mm),(N)\n00:00:00.1,0.1,0.2\n00:00:00.2,0.2,0.3\n",
         "line 1: times written as hh:mm:ss",
     ),
+    "only one number with a mark, that may be damaged": (
+        "Time;Extension;Load\n(s);(mm);(N)\n,1;-0;0\n1;0;0\n1;1;0\n",
+        "line 3: ',1' could be a decimal or a thousand: only ',1' tells",
+    ),
     "stated maximum a unit off": (
         "Maximum load,161.25,N\n\n" + HEAD.replace("(N)", "(lbf)") + "\n".join(body()) + "\n",
         "states a maximum of .* N, the rows reach 717.276 N: a power of ten or a unit",

@@ -128,11 +128,17 @@ def check_dialect(drawn, path):
 
 
 def is_ambiguous(body, form):
-    """Tell whether at most one number shows which mark is decimal; one alone may be damaged."""
+    """Tell whether at most one number shows which mark is decimal; one alone may be damaged.
+
+    So may 1,056 among decimals, where no number such as 1,056.5 shows that commas group.
+    """
     other = "." if form["decimal"] == "," else ","
     cells = re.findall(r"[-+]?[\d.,\u00a0 ]*\d", "\n".join(body))
     one_reading = rf"(^|\D)0\{form['decimal']}\d|\{form['decimal']}(?!\d{{3}}$)\d+$"
     both = any(other in c and form["decimal"] in c for c in cells)
+    whole = rf"[-+]?\d{{1,3}}({re.escape(form['group'])}\d{{3}})+"
+    if form["group"] and not both and any(re.fullmatch(whole, c.strip()) for c in cells):
+        return True
     return not both and sum(bool(re.search(one_reading, c.strip())) for c in cells) < 2
 
 
