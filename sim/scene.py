@@ -17,9 +17,9 @@ Vector = tuple[float, float, float]
 
 
 class Part(BaseModel):
-    """A part of a scene: fixed once made, and a key it does not know is an error."""
+    """A part of a scene: fixed once made; unknown keys and infinite values are errors."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Material(Part):

@@ -121,3 +121,13 @@ def test_import_is_light():
     code = "import sim, sys; print([m for m in ('numba', 'xarray', 'pandas') if m in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"
+
+
+def test_a_value_that_is_not_a_number_is_refused(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        "duration = 1\n[[rods]]\nradius = nan\nelements = 4\n"
+        "shape = {kind = 'straight', length = 1}\nmaterial = {E = 1e6, density = 1000}\n"
+    )
+    with pytest.raises(sim.SceneError, match=r"rods.0.radius = nan"):
+        sim.load_scene(path)
