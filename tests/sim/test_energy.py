@@ -61,15 +61,14 @@ def test_ledger_closes_over_a_combing(turns, friction):
     assert lost > 0.5 * last["work_tines"]  # nearly all of it in the end
 
 
-def test_keeping_the_ledger_changes_nothing():
+def test_keeping_the_ledger_changes_nothing_but_rounding():
     plain = sim.double_helix(pi1=18, turns=1, friction=0.2, elements_per_pitch=8)
     ends = []
     for scene in (plain, with_ledger(plain)):
         march = Explicit(scene)
         march.advance(3000)
-        ends.append(march.state.buf[:: march.state.n].copy())
         ends.append(np.concatenate(march.state.strands()))
-    np.testing.assert_array_equal(ends[1], ends[3])
+    np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-13)
 
 
 def test_a_scene_without_a_ledger_says_so():
