@@ -47,6 +47,7 @@ def compiled(tmp_path, update):
     return set(found.stdout.split())
 
 
+@pytest.mark.slow
 def test_bare_rods_compile_no_kernel_of_any_effect(tmp_path):
     kernels = compiled(tmp_path, "{}")
     assert {"march", "drift", "stretch_and_shear", "kick_nodes"} <= kernels
