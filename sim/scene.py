@@ -223,8 +223,8 @@ class Tine(Part):
 class Output(Part):
     """What is recorded: force samples per second (each a mean over its window), snapshots.
 
-    With `energy` also the ledger: what is stored, put in and lost, once a sample; it doubles the
-    cost of a step.
+    With `energy` also the ledger: what is stored, put in and lost, once a sample; steps then
+    evaluate the contact twice and more.
     """
 
     sample_rate: Positive = 1000.0
