@@ -20,6 +20,8 @@ from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.source import CHUNK, NEWLINE, Source, refuse_lone_returns
 
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
+# Two quotes at a digit: an empty cell has marks on both sides, a doubled quote stands in words.
+_QUOTED_WITHIN = re.compile(r'[\d.]""|""[-+\d.]')
 
 
 @dataclass
@@ -136,7 +138,7 @@ def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> 
     for _, piece in source.chunks(max(start - 1, 0), overlap=2):
         breaks += int(np.count_nonzero(piece[1 : CHUNK + 1] == NEWLINE))
         # Comma, TAB and line ends come before "-"; other such characters make no number anyway.
-        edges = piece < ord("-")
+        edges = (piece < ord("-")) & (piece != QUOTE)
         if delimiter in ";|":
             edges |= piece == ord(delimiter)
         if ((piece[1:-1] == QUOTE) > (edges[:-2] | edges[2:])).any():
@@ -184,6 +186,8 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
         cells = split_cells(line, delimiter)
         if line.count('"') % 2 and not _is_last_and_open(source, number):
             raise Unreadable(f"{source.path}: line {number + 1}: a quote is not closed")
+        if _QUOTED_WITHIN.search(line):
+            raise Unreadable(f"{source.path}: line {number + 1}: quotes within a number")
         if _PLAIN_ROW.fullmatch(line) or is_row(cells, used):
             if len(cells) > width and cells[width]:
                 _refuse_wide(source, number, len(cells), width)

@@ -114,6 +114,14 @@ REFUSED = {
         HEAD + '"0.1","0.2","0.3"\n"0.2","0.3","773.98"5""\n"0.3","0.3","0.4"\n',
         "line 4",
     ),
+    "two quotes behind a number": (
+        HEAD + '0.1,0.2,0.3\n0.2,0.35"",5.0\n0.3,0.4,0.5\n0.4,0.5,0.7\n',
+        "line 4: quotes within a number",
+    ),
+    "two quotes before a number": (
+        HEAD + '0.1,0.2,0.3\n0.2,""0.35,5.0\n0.3,0.4,0.5\n0.4,0.5,0.7\n',
+        "line 4: quotes within a number",
+    ),
     "lone return within a number": (
         HEAD.replace("\n", "\r\n") + "0.1,0.2,4.8\r\n0.2,0.3,4\r.8\r\n0.3,0.4,4.8\r\n",
         "line 4: a carriage return within the line",
