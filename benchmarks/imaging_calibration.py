@@ -100,7 +100,7 @@ def _top(curl: Curl, pair: tuple[int, int], truth: pd.DataFrame, x: float, y: fl
     if len(far) == 0 or far.min() > NEAR:
         return None
     hit = there.loc[far.idxmin()]
-    level = [curl.heights[k][int(round(hit[s]))] for k, s in ((a, "s_a"), (b, "s_b"))]
+    level = [_height(curl, k, hit[s]) for k, s in ((a, "s_a"), (b, "s_b"))]
     if abs(level[0] - level[1]) < 2 * curl.radius:  # tubes that pass through each other
         return None
     return a if level[0] > level[1] else b
@@ -124,6 +124,12 @@ def print_centrelines(table: pd.DataFrame) -> None:
         error = np.sqrt((table["error"][own] ** 2).mean())
         share = 100 * inside[own].mean()
         print(f"  {name:<16} {own.sum():>8} points, RMS {error:.2f} px, {share:.1f} %")
+
+
+def _height(curl: Curl, strand: int, s: float) -> float:
+    """Return how high a true strand lies at an arclength [px]."""
+    steps = np.linalg.norm(np.diff(curl.lines[strand], axis=0), axis=1)
+    return float(np.interp(s, np.concatenate([[0.0], np.cumsum(steps)]), curl.heights[strand]))
 
 
 def print_reliability(table: pd.DataFrame) -> None:
