@@ -19,7 +19,7 @@ from imaging_curls import PALETTE, varied_look
 from scipy.spatial import cKDTree
 
 from imaging import Photo, Segmentation, Strand, crossings, densities, interactions, segment, trace
-from imaging.centreline import resample
+from imaging.centreline import arclength, resample
 from imaging.synthetic import random_curl, render
 
 STRANDS = 6
@@ -128,8 +128,7 @@ def print_centrelines(table: pd.DataFrame) -> None:
 
 def _height(curl: Curl, strand: int, s: float) -> float:
     """Return how high a true strand lies at an arclength [px]."""
-    steps = np.linalg.norm(np.diff(curl.lines[strand], axis=0), axis=1)
-    return float(np.interp(s, np.concatenate([[0.0], np.cumsum(steps)]), curl.heights[strand]))
+    return float(np.interp(s, arclength(curl.lines[strand]), curl.heights[strand]))
 
 
 def print_reliability(table: pd.DataFrame) -> None:

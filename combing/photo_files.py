@@ -14,6 +14,7 @@ import pandas as pd
 import scipy
 
 from combing import __version__
+from combing.figures.style import write_pictures
 from imaging.decode import refuse_unless_file
 from imaging.figures import histogram, kymograph
 from imaging.imagej import available, write_rois
@@ -145,12 +146,7 @@ def _write_histogram(folder: Path, measured: Measured) -> None:
         columns={f"{part}_per_{unit}": part for part in ("density", "low", "high")}
     )
     shown.attrs = {"n_sec": asked}
-    _write_figure(folder / "histogram", histogram(shown, unit))
-
-
-def _write_figure(stem: Path, figure: Any) -> None:
-    figure.savefig(stem.with_suffix(".png"), dpi=150)
-    figure.savefig(stem.with_suffix(".svg"), metadata={"Date": None})
+    write_pictures(histogram(shown, unit), folder / "histogram")
 
 
 def write_batch(output: Path, folders: Sequence[Path], rows: Sequence[dict[str, Any]]) -> None:
@@ -166,7 +162,7 @@ def write_batch(output: Path, folders: Sequence[Path], rows: Sequence[dict[str, 
             table.to_csv(room / name, index=False, float_format="%.7g", lineterminator="\n")
         (room / "DATA.md").write_text(ABOUT + columns_of(list(tables.values())), encoding="utf-8")
         if tables["interactions.csv"]["photo"].nunique() > 1:
-            _write_figure(room / "kymograph", kymograph(tables["interactions.csv"]))
+            write_pictures(kymograph(tables["interactions.csv"]), room / "kymograph")
         for file in sorted(room.iterdir()):
             file.replace(output / file.name)
 

@@ -58,7 +58,7 @@ def unstable(march: Explicit) -> Unstable:
     state = march.state
     speed = np.linalg.norm(state.rows("V0 V1 V2"), axis=0)
     worst = int(np.argmax(np.where(np.isfinite(speed), speed, np.inf)))
-    rod, element = _place(state, worst)
+    rod, element = state.place(worst)
     if np.isfinite(speed[worst]):
         effect, mode, why, remedy = _runaway(march, worst)
     else:
@@ -69,12 +69,6 @@ def unstable(march: Explicit) -> Unstable:
         f"{speed[worst]:.3g} m/s; {why}; {remedy}",
         march.time, rod, element, effect, mode,
     )  # fmt: skip
-
-
-def _place(state: State, node: int) -> tuple[int, int]:
-    """Return the rod that an index of the buffer is on, and its number there."""
-    rod = int(np.searchsorted(state.first, node, side="right") - 1)
-    return rod, node - state.first[rod]
 
 
 def _not_a_number(march: Explicit) -> str:

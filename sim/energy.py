@@ -93,10 +93,9 @@ def _bend_energy(state: State, rod: int) -> float:
     at = state.nodes(rod)
     # The ghosts before the root and after the tip are the frames of clamps.
     frames = directors(state, slice(at.start - 1, at.stop))
-    vertices = at
-    inverse = state.row("INV_VORONOI")[vertices]
+    inverse = state.row("INV_VORONOI")[at]
     turn = -Rotation.from_matrix(frames[1:] @ frames[:-1].transpose(0, 2, 1)).as_rotvec()
-    strain = turn * inverse[:, None] - state.rows("K0 K1 K2").T[vertices]
-    stiffness = state.rows("BEND BEND TWIST").T[vertices]
+    strain = turn * inverse[:, None] - state.rows("K0 K1 K2").T[at]
+    stiffness = state.rows("BEND BEND TWIST").T[at]
     voronoi = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0)
     return float(0.5 * np.sum(stiffness * strain**2 * voronoi[:, None]))

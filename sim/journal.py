@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.errors import SceneError
+from sim.files import replacing
 
 Arrays = dict[str, NDArray[Any]]
 ABOUT, CHECKPOINT, LOCK = "about.json", "checkpoint.npz", "lock"
@@ -126,7 +127,8 @@ class Journal:
         except BaseException:
             self._lock.close()
             raise
-        _replace(folder / ABOUT, json.dumps(about, indent=1).encode())
+        with replacing(folder / ABOUT) as temporary:
+            temporary.write_text(json.dumps(about, indent=1), encoding="utf-8")
         self._tables = {name: self._open(name, width) for name, width in _widths(about).items()}
 
     def _open(self, name: str, width: int) -> IO[bytes]:
@@ -159,12 +161,10 @@ class Journal:
             file = self._tables[name].fileno()
             os.fsync(file)
             rows[name] = np.array(os.fstat(file).st_size // (VALUE * max(width, 1)))
-        temporary = self.folder / f"{CHECKPOINT}.new"
-        with temporary.open("wb") as stream:
+        with replacing(self.folder / CHECKPOINT) as temporary, temporary.open("wb") as stream:
             np.savez(stream, **frozen, **rows)  # type: ignore[arg-type]
             stream.flush()
             os.fsync(stream.fileno())
-        temporary.replace(self.folder / CHECKPOINT)
 
     def close(self) -> None:
         """Let go of the files, which stay."""
@@ -212,10 +212,3 @@ def _hold(stream: IO[bytes], folder: Path) -> None:
         ) from None
     except OSError:
         pass  # a file system without locks
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all."""
-    temporary = path.with_name(f"{path.name}.new")
-    temporary.write_bytes(content)
-    temporary.replace(path)

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +11,7 @@ import pandas as pd
 
 from sim import journal
 from sim.errors import SceneError
+from sim.files import replacing
 from sim.journal import part_of
 from sim.scene import Scene
 
@@ -146,15 +144,3 @@ def dataset(recorded: journal.Recorded) -> xarray.Dataset:
         variables[name] = ("sample", samples[:, number], attributes)
     attributes = about["attributes"] | {"scene": json.dumps(scene)}
     return xarray.Dataset(variables, coords={"axis": ["x", "y", "z"]}, attrs=attributes)
-
-
-@contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary path beside `path` that replaces it when the block ends well."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        yield temporary
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)

@@ -57,6 +57,11 @@ class State:
         """Return the indices of a rod's nodes."""
         return slice(self.first[rod], self.first[rod] + self.elements[rod] + 1)
 
+    def place(self, index: int) -> tuple[int, int]:
+        """Return the rod that an index is on, and its number there."""
+        rod = int(np.searchsorted(self.first, index, side="right") - 1)
+        return rod, index - self.first[rod]
+
     def strands(self) -> list[Array]:
         """Return the centreline of every rod, (n, 3) [m], root to tip."""
         positions = self.rows("X0 X1 X2").T

@@ -21,8 +21,7 @@ def wound_up(march: Explicit) -> Unstable:
     turns = Rotation.from_matrix(frames[1:] @ frames[:-1].transpose(0, 2, 1)).as_rotvec()
     angles = np.linalg.norm(turns, axis=1) * (state.row("INV_VORONOI")[1:] > 0)
     worst = int(np.argmax(angles)) + 1
-    rod = int(np.searchsorted(state.first, worst, side="right") - 1)
-    element = worst - state.first[rod]
+    rod, element = state.place(worst)
     twisted = abs(turns[worst - 1, 2]) > 0.7 * angles[worst - 1]
     how, mode = ("twists", "twist") if twisted else ("bends", "bending")
     return Unstable(

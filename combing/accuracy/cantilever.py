@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from combing.accuracy.measurement import Measurement
 from sim.explicit import Explicit
 from sim.scene import Damping, End, Load, Material, Rod, Scene, Straight
+from sim.state import rigidities
 
 LENGTH, RADIUS = 0.1, 0.02  # m; so short that shear is a tenth of the deflection
 RUBBER = Material(E=1e6, nu=0.5, density=1000.0)
@@ -62,15 +63,14 @@ def compliance(*, shear: bool) -> float:
 
     Timoshenko, Phil. Mag. 41, 744 (1921).
     """
-    modulus = RUBBER.E / (2 * (1 + RUBBER.nu))
     area = math.pi * RADIUS**2
-    slide = LENGTH / (RUBBER.shear_coefficient * modulus * area) if shear else 0.0
+    slide = LENGTH / (RUBBER.shear_coefficient * RUBBER.shear_modulus * area) if shear else 0.0
     return LENGTH**3 / (3 * bending()) + slide
 
 
 def bending() -> float:
     """Return B = E I [N m^2]."""
-    return RUBBER.E * math.pi * RADIUS**4 / 4
+    return rigidities(RUBBER, RADIUS)[0]
 
 
 def line_density() -> float:

@@ -23,6 +23,7 @@ from sim.scene import (
     Scene,
     Tine,
 )
+from sim.state import rigidities
 
 TINE, THIN = 1e-2, 0.004  # tine radius t [m], strand radius over it
 RADIUS = THIN * TINE
@@ -139,7 +140,7 @@ class Capstan:
         off the tension that presses; drag adds g = drag rho A v per length.
         """
         drag = DRAG * SOFT.density * math.pi * RADIUS**2 * self.speed
-        bend = SOFT.E * math.pi * RADIUS**4 / 4 / (2 * PATH**2)
+        bend = rigidities(SOFT, RADIUS)[0] / (2 * PATH**2)
         slid = SLIDE + 0.5 * self.span
         rate = exponent(self.friction)
         arc = math.expm1(rate * self.wrap) / rate if rate > 0 else self.wrap

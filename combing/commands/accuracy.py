@@ -56,7 +56,7 @@ def _write(
     from combing.accuracy.summary import about_machine
     from combing.figures.accuracy import draw_case, draw_teeth
     from combing.tables import write_table
-    from sim.run import replacing
+    from sim.files import replacing
 
     write_table(
         output / "accuracy.csv",
@@ -82,7 +82,7 @@ def _write(
 
 def _save(figure: Figure, path: Path) -> None:
     from combing.figures.style import paper_style
-    from sim.run import replacing
+    from sim.files import replacing
 
     with replacing(path) as temporary, paper_style():
         figure.savefig(temporary, format="png", metadata={"Title": path.stem})

@@ -279,6 +279,8 @@ def draw(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    from combing.figures.style import write_pictures
+
     figure = Figure(figsize=(4.2, 3.2), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots()
@@ -296,8 +298,7 @@ def draw(
     axes.set_ylim(bottom=min(0, float(inside["f"].min())))
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, fontsize=8)
-    figure.savefig(stem.with_suffix(".png"), dpi=200)
-    figure.savefig(stem.with_suffix(".svg"))
+    write_pictures(figure, stem, dpi=200)
 
 
 def _write_section(room: Path, curves: list[pd.DataFrame], result: instron.Repeats | None) -> None:

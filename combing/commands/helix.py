@@ -16,6 +16,7 @@ from tqdm import tqdm
 
 import imaging
 from combing.errors import UserError, is_users_fault
+from combing.figures.style import write_pictures
 from imaging.calibration import calibrate
 from imaging.helix import helix
 from imaging.helix_measurement import HelixMeasurement
@@ -248,7 +249,7 @@ def _fill(folder: Path, photo: Photo, found: HelixMeasurement, row: dict[str, An
     _write_table(folder / "crossings.csv", found.crossings)
     overlay = draw_helix_overlay(photo, found)[..., ::-1]
     (folder / "overlay.png").write_bytes(cv2.imencode(".png", overlay)[1].tobytes())
-    _write_figure(folder / "link", link_figure(found))
+    write_pictures(link_figure(found), folder / "link")
     (folder / "summary.json").write_text(json.dumps(row, indent=1), encoding="utf-8")
     (folder / "DATA.md").write_text(_data_md(found.unit), encoding="utf-8")
 
@@ -260,19 +261,14 @@ def _fill_sequence(folder: Path, sequence: HelixSequence) -> None:
     names = [f"{number}: x={place:.4g}" for number, place in enumerate(x)]
     table = pd.DataFrame({"s": s} | dict(zip(names, change, strict=True)))
     _write_table(folder / "kymograph.csv", table)
-    _write_figure(folder / "change", sequence_figure(sequence))
-    _write_figure(folder / "kymograph", kymograph_figure(sequence))
+    write_pictures(sequence_figure(sequence), folder / "change")
+    write_pictures(kymograph_figure(sequence), folder / "kymograph")
     unit = sequence.measurements[0].unit
     (folder / "DATA.md").write_text(_data_md(unit), encoding="utf-8")
 
 
 def _write_table(path: Path, table: pd.DataFrame) -> None:
     table.to_csv(path, index=False, float_format="%.7g", lineterminator="\n")
-
-
-def _write_figure(stem: Path, figure: Any) -> None:
-    figure.savefig(stem.with_suffix(".png"), dpi=150)
-    figure.savefig(stem.with_suffix(".svg"), metadata={"Date": None})
 
 
 def _data_md(unit: str) -> str:

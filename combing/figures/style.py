@@ -65,6 +65,12 @@ def mark_synthetic(figure: Figure, synthetic: bool) -> None:
         figure.supxlabel(text, x=0.995, ha="right", fontsize=7, color="0.35", style="italic")
 
 
+def write_pictures(figure: Figure, stem: Path, dpi: int = 150) -> None:
+    """Write ``stem.png`` and ``stem.svg``; the same figure gives the same files."""
+    figure.savefig(stem.with_suffix(".png"), dpi=dpi)
+    figure.savefig(stem.with_suffix(".svg"), metadata={"Date": None})
+
+
 def save(figure: Figure, folder: Path, name: str, *, synthetic: bool) -> list[Path]:
     """Write ``name.png`` and ``name.svg``, with the origin of the data in their metadata."""
     origin = "synthetic data (virtual lab)" if synthetic else "measured data"

@@ -20,11 +20,11 @@ class Contact(NamedTuple):
     """Contact between elements of rods: line stiffness k [N/m^2] and the neighbour list.
 
     Candidates for element a are ``partner[start[a]:start[a + 1]]``, those in play come first, up to
-    ``stop[a]``; `anchor` (3, n) are the nodes when that was found out, `play` (2,) is how far they
-    may move until it is found out anew [m] and the number of steps since. `slip` holds the
-    tangential displacement [m] of each pair, one row without friction. `rod` and `arc` tell which
-    rod an element is on and where. `batch` (3, BATCH) and `work` (WORK,): element, partner and
-    number of the pairs that are pressed together, and their columns (`sim.kernels.overlap`).
+    ``stop[a]``; `play` (2,) is how far nodes may move until that is found out anew [m], and the
+    number of steps since. `slip` holds the tangential displacement [m] of each pair, one row
+    without friction. `rod` and `arc` tell which rod an element is on and where. `batch` (3, BATCH)
+    and `work` (WORK,): element, partner and number of the pairs that are pressed together, and
+    their columns (`sim.kernels.overlap`).
     """
 
     stiffness: float
@@ -36,7 +36,6 @@ class Contact(NamedTuple):
     partner: np.ndarray
     slip: np.ndarray
     stop: np.ndarray
-    anchor: np.ndarray
     play: np.ndarray
     batch: np.ndarray
     work: np.ndarray

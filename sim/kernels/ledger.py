@@ -11,7 +11,7 @@ from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.rod import kick, logarithm, strain_rate, turning_rate
 from sim.kernels.tine import Tines, tine_interval
 from sim.kernels.touch import touching_loads
-from sim.kernels.vectors import along, at, dot, minus
+from sim.kernels.vectors import along, at, dot, minus, point
 
 
 class Ledger(NamedTuple):
@@ -45,14 +45,8 @@ def touch_and_book(buf, n, time, dt, contact, friction, tines, tine_friction, le
     if tines is not None:
         dragged = tines.load - before - smooth.load  # friction on the tines, which carry it along
         for m in range(tines.motion.shape[0]):
-            drive = dot(row(dragged, m), row(tines.motion, m)) * tines.now[m, 1]
+            drive = dot(point(dragged, m), point(tines.motion, m)) * tines.now[m, 1]
             ledger.friction[0] -= dt * drive
-
-
-@kernel
-def row(table, m):
-    """Return the first three entries of a row."""
-    return table[m, 0], table[m, 1], table[m, 2]
 
 
 @kernel

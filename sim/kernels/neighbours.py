@@ -15,20 +15,21 @@ from sim.kernels.vectors import along, at, dot, minus
 
 
 @kernel
-def moved_far(buf, n, limit):
-    """Tell whether a node is farther than `limit` from where it was when the list was built."""
+def moved_far(buf, n, row0, row1, row2, limit):
+    """Tell whether a node is farther than `limit` from the position stored in three rows."""
     far = 0
     for i in range(n):
-        d0, d1, d2 = buf[X0 + i] - buf[A0 + i], buf[X1 + i] - buf[A1 + i], buf[X2 + i] - buf[A2 + i]
+        d0, d1 = buf[X0 + i] - buf[row0 + i], buf[X1 + i] - buf[row1 + i]
+        d2 = buf[X2 + i] - buf[row2 + i]
         far += 1 if d0 * d0 + d1 * d1 + d2 * d2 > limit * limit else 0
     return far > 0
 
 
 @kernel
-def remember(buf, n):
-    """Store the present positions as those of the neighbour list."""
+def remember(buf, n, row0, row1, row2):
+    """Store the present positions in three rows."""
     for i in range(n):
-        buf[A0 + i], buf[A1 + i], buf[A2 + i] = buf[X0 + i], buf[X1 + i], buf[X2 + i]
+        buf[row0 + i], buf[row1 + i], buf[row2 + i] = buf[X0 + i], buf[X1 + i], buf[X2 + i]
 
 
 @kernel
@@ -116,8 +117,8 @@ def build_list(buf, n, contact, heads, following, start, partner):
         if contact.rod[a] >= 0:
             count = list_partners(buf, a, contact, edge, heads, following, partner, count)
     start[n] = count
-    remember(buf, n)
-    contact.anchor[:] = np.inf  # nobody knows yet which pairs are in play
+    remember(buf, n, A0, A1, A2)
+    buf[G0 : G0 + n] = np.inf  # nobody knows yet which pairs are in play
     return count
 
 
@@ -167,7 +168,7 @@ def keep_in_play(buf, n, contact):
     """
     play = contact.play
     play[1] += 1.0
-    if not left_anchor(buf, n, contact.anchor, play[0]):
+    if not moved_far(buf, n, G0, G1, G2, play[0]):
         return
     wider = 2.0 if play[1] < OFTEN else (0.5 if play[1] > SELDOM else 1.0)
     play[0] = min(max(wider * play[0], FINEST * contact.skin), COARSEST * contact.skin)
@@ -181,8 +182,7 @@ def keep_in_play(buf, n, contact):
                 bring_forward(contact, a, k)
             elif contact.slip.shape[0] > 1:
                 contact.slip[k, 0] = contact.slip[k, 1] = contact.slip[k, 2] = 0.0
-    for i in range(n):
-        contact.anchor[0, i], contact.anchor[1, i], contact.anchor[2, i] = at(buf, X0, X1, X2, i)
+    remember(buf, n, G0, G1, G2)
 
 
 @kernel
@@ -195,17 +195,6 @@ def lengths_now(buf, n):
             square = dot(step, step)
             least, most = min(least, square), max(most, square)
     return math.sqrt(least), math.sqrt(most)
-
-
-@kernel
-def left_anchor(buf, n, anchor, limit):
-    """Tell whether a node is farther than `limit` from its anchor."""
-    far = 0
-    for i in range(n):
-        d0, d1 = buf[X0 + i] - anchor[0, i], buf[X1 + i] - anchor[1, i]
-        d2 = buf[X2 + i] - anchor[2, i]
-        far += 0 if d0 * d0 + d1 * d1 + d2 * d2 <= limit * limit else 1
-    return far > 0
 
 
 @kernel

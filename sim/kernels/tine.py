@@ -7,8 +7,9 @@ import numpy as np
 
 from sim.kernels.compiled import formula, kernel
 from sim.kernels.contact import clip, near_line, press, rubbing_force, surface_velocity
+from sim.kernels.ends import smooth
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.vectors import along, at, cross, dot, minus, push, to_body
+from sim.kernels.vectors import along, at, cross, dot, minus, point, push, to_body
 
 
 class Tines(NamedTuple):
@@ -70,7 +71,7 @@ def place(tines, time):
         now[2], now[6] = g[7], 0.0
         if time < motion[3]:
             grown = time / motion[3]
-            now[2] = g[7] * grown * grown * (3.0 - 2.0 * grown)
+            now[2] = g[7] * smooth(grown)
             now[6] = g[7] * 6.0 * grown * (1.0 - grown) / motion[3]
         for axis in range(3):
             now[3 + axis] = g[axis] + now[0] * motion[axis]
@@ -96,8 +97,7 @@ def tine_forces(buf, n, dt, tines, friction):
 @kernel
 def tine_power(tines, m):
     """Return the power of a tine's steady motion against all the load summed so far [W]."""
-    motion, load = tines.motion[m], tines.load[m]
-    return -tines.now[m, 1] * (load[0] * motion[0] + load[1] * motion[1] + load[2] * motion[2])
+    return -tines.now[m, 1] * dot(point(tines.load, m), point(tines.motion, m))
 
 
 @kernel

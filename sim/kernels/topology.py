@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from sim.kernels.compiled import formula, kernel
-from sim.kernels.vectors import at, cross, dot, minus
+from sim.kernels.vectors import at, cross, dot, minus, point
 
 WIDTH = 128  # segments of the second curve that are done together
 STRIDE = WIDTH + 8
@@ -21,12 +21,6 @@ B0, B1, B2 = (STRIDE * row for row in range(3))
 NEAR0, NEAR1, NEAR2, NEAR = (STRIDE * row for row in range(3, 7))
 FAR0, FAR1, FAR2, FAR = (STRIDE * row for row in range(7, 11))
 REAL, IMAGINARY, TURNS = (STRIDE * row for row in range(11, 14))
-
-
-@kernel
-def point(curve, i):
-    """Return row i of an (n, 3) array as a tuple."""
-    return curve[i, 0], curve[i, 1], curve[i, 2]
 
 
 @kernel

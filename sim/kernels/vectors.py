@@ -11,6 +11,12 @@ def at(buf, row0, row1, row2, i):
 
 
 @formula
+def point(table, i):
+    """Return the first three entries of row i of a table as a vector."""
+    return table[i, 0], table[i, 1], table[i, 2]
+
+
+@formula
 def push(buf, row0, row1, row2, i, a, factor):
     """Add factor * a to the vector stored at index i of three rows."""
     buf[row0 + i] += factor * a[0]

@@ -210,16 +210,8 @@ FAMILIES = [
 
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.__name__)
-def test_every_layout_is_read_exactly(family, tmp_path):
-    text, expected, *encoding = family()
-    path = tmp_path / "export.csv"
-    path.write_bytes(text.encode(*encoding or ["utf-8"]))
-    logs = instron.read(path)
-    assert len(logs) == len(expected)
-    for log, columns in zip(logs, expected, strict=True):
-        for name, values in zip(("time", "displacement", "force"), columns, strict=True):
-            np.testing.assert_allclose(log[name], values, rtol=1e-12, atol=1e-12, err_msg=name)
-        assert log.attrs["warnings"] == []
+def test_every_layout_is_read_exactly(family, is_read_exactly):
+    is_read_exactly(family)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "cp1252"])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sim.energy import elastic_energy, kinetic_energy
+from sim.energy import elastic_energy, kinetic_energy, weight_energy
 from sim.explicit import Explicit
 from sim.kernels.ledger import tine_energy
 from sim.scene import Contact, Damping, End, Material, Points, Rod, Scene
@@ -104,9 +104,7 @@ def closest(march):
 def energies(march):
     """Return kinetic, elastic and contact energy, that of weight, and less the work put in [J]."""
     state, effects = march.state, march.effects
-    weight = (
-        -np.array(march.scene.gravity or (0, 0, 0)) @ state.rows("X0 X1 X2") @ state.row("MASS")
-    )
+    weight = weight_energy(state, march.scene.gravity or (0, 0, 0))
     contact = contact_potential(march)
     if effects.tines:
         contact += tine_energy(state.buf, state.n, effects.tines)

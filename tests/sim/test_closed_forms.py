@@ -135,12 +135,10 @@ def set_frame(state, i, share, twist):
     angle, turn = 2 * math.pi * share, twist * share
     outward = np.array([math.cos(angle), math.sin(angle), 0])
     along = np.array([-math.sin(angle), math.cos(angle), 0])
-    up = np.array([0.0, 0.0, 1.0])
     first = math.cos(turn) * outward + math.sin(turn) * np.cross(along, outward)
     for a, d in enumerate((first, np.cross(along, first), along)):
         for k in range(3):
             state.row(f"Q{a}{k}")[i] = d[k]
-    assert abs(up @ along) < 1e-12
 
 
 @pytest.mark.parametrize(("excess", "buckles"), [(0.95, False), (1.05, True)])
@@ -156,22 +154,16 @@ def test_michell_ring_writhes_beyond_its_critical_twist(reference, excess, buckl
     assert (max(height) > 0.3) == buckles
 
 
-def rows_of_love(reference):
-    """Return some helices of the reference: one stretched, one compressed a little."""
-    wanted = {(45.0, 50.0), (60.0, 65.0), (45.0, 43.0)}
-    rows = reference("love_helix")["rows"]
-    found = [row for row in rows if (row["alpha_deg"], row["alpha1_deg"]) in wanted]
-    return found or rows[1:3]
-
-
+@pytest.mark.parametrize("angles", [(30.0, 35.0), (45.0, 50.0), (45.0, 55.0), (70.76, 75.76)])
 @pytest.mark.parametrize("rotation", ["free", "blocked"])
-def test_loves_helix_under_a_wrench_on_its_axis(reference, rotation):
-    """Opposite wrenches on both ends of a free wire take (alpha, R) to (alpha1, R1)."""
-    for row in rows_of_love(reference):
-        march = stretched_helix(row, rotation)
-        alpha1, radius1 = helix_of(march.state.strands()[0])
-        assert math.degrees(alpha1) == pytest.approx(row["alpha1_deg"], abs=0.15)
-        assert radius1 == pytest.approx(row[f"R1_{rotation}"], rel=6e-3)
+def test_loves_helix_under_a_wrench_on_its_axis(reference, rotation, angles):
+    """Opposite wrenches on both ends of a free wire take (alpha, R) to (alpha1, R1), stretching."""
+    rows = reference("love_helix")["rows"]
+    row = next(row for row in rows if (row["alpha_deg"], row["alpha1_deg"]) == angles)
+    march = stretched_helix(row, rotation)
+    alpha1, radius1 = helix_of(march.state.strands()[0])
+    assert math.degrees(alpha1) == pytest.approx(angles[1], abs=0.15)
+    assert radius1 == pytest.approx(row[f"R1_{rotation}"], rel=6e-3)
 
 
 def stretched_helix(row, rotation, turns=3, per_turn=24):
@@ -194,7 +186,7 @@ def stretched_helix(row, rotation, turns=3, per_turn=24):
     rod = Rod(shape=Points(nodes=[tuple(p) for p in nodes]), radius=thin, elements=len(nodes) - 1,
               material=material, root=ends[0], tip=ends[1])  # fmt: skip
     scene = Scene(rods=[rod], duration=1, damping=Damping(drag=0.3), rotary_inertia="element")
-    return relaxed(scene, 200)
+    return relaxed(scene, 600)
 
 
 def helix_of(nodes):

@@ -130,7 +130,7 @@ def test_an_edited_kernel_changes_the_cache_folder(tmp_path):
 CALLER = """
 import sys
 sys.path.insert(0, {root!r})
-from sim.kernels.topology import point
+from sim.kernels.vectors import point
 from sim.kernels.vectors import dot
 import numpy as np
 from sim.kernels.topology import pair_link
