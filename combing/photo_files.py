@@ -26,9 +26,13 @@ from imaging.tables import (
     densities_table,
     link_table,
     strands_table,
+    unresolved_table,
 )
 
-TABLES = ("strands.csv", "crossings.csv", "interactions.csv", "densities.csv", "link.csv")
+TABLES = (
+    "strands.csv", "crossings.csv", "unresolved.csv", "interactions.csv", "densities.csv",
+    "link.csv",
+)  # fmt: skip
 RECORD = "provenance.json"  # written last: its presence says that a photograph is done
 ABOUT = """# What the files hold
 
@@ -37,13 +41,16 @@ corner of the first pixel: add 0.5 (`rois.zip` has it added). An empty cell is u
 
 - `strands.csv` centrelines, root (upper end) to tip
 - `crossings.csv` where strands cross, and which is on top
+- `unresolved.csv` where two strands run so close together that the number or the place of their
+  crossings is a guess
 - `interactions.csv` N-body interactions by section of the curl
 - `densities.csv` rho_N with intervals; by the rule asked for, by coarser and finer sections, and
   without sections
 - `link.csv` link density lambda(s) of each pair of strands that wind round each other
 - `labels.png` strand number of each pixel, 0 = background, the top strand wins
 - `overlay.png`, `overlay.svg` what was found, over the photograph: a ring is a crossing, the bar in
-  it lies along the strand on top and is missing when that is unknown
+  it lies along the strand on top and is missing when that is unknown; a long outline is unresolved
+  contact
 - `rois.zip` the same for ImageJ's ROI manager (with the extra `formats`)
 - `histogram.png`, `.svg` rho_N; of several photographs `kymograph.png`, `.svg`: strands in
   interactions, section by section, photograph by photograph
@@ -89,10 +96,11 @@ def _sha256(path: Path) -> str:
 
 
 def earlier(folder: Path, asked: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the summary of the same measurement done before, if its record is whole."""
+    """Return the summary of the same measurement done before, if it is all there."""
     try:
         old = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-        return old["summary"] if old["input"] == asked else None
+        whole = old["input"] == asked and all((folder / name).exists() for name in TABLES)
+        return old["summary"] if whole else None
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
@@ -112,18 +120,22 @@ def _fill(folder: Path, name: str, measured: Measured) -> None:
     tables = [
         strands_table(measured, name),
         crossings_table(measured, name),
+        unresolved_table(measured, name),
         densities_table(measured.interactions, measured, name),
         densities_table(measured.densities, measured, name),
         link_table(measured, name),
     ]
     for file, table in zip(TABLES, tables, strict=True):
         table.to_csv(folder / file, index=False, float_format="%.7g", lineterminator="\n")
-    found = (measured.photo, measured.segmentation, measured.strands, measured.crossings)
+    found = (
+        measured.photo, measured.segmentation, measured.strands, measured.crossings,
+        measured.unresolved,
+    )  # fmt: skip
     _write_picture(folder / "labels.png", labels_picture(measured.segmentation, measured.strands))
     _write_picture(folder / "overlay.png", draw_overlay(*found)[..., ::-1])
     (folder / "overlay.svg").write_text(overlay_svg(*found), encoding="utf-8")
     if available():
-        write_rois(folder / "rois.zip", measured.strands, measured.crossings)
+        write_rois(folder / "rois.zip", *found[2:])
     if measured.densities is not None:
         _write_histogram(folder, measured)
     (folder / "DATA.md").write_text(ABOUT + columns_of(tables), encoding="utf-8")

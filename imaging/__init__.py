@@ -13,6 +13,7 @@ from imaging.interactions import densities, events, interactions
 from imaging.photo import Photo, read_photo
 from imaging.segment import Segmentation, segment
 from imaging.trace import Strand, trace
+from imaging.unresolved import unresolved
 
 __all__ = [
     "HelixMeasurement",
@@ -30,4 +31,5 @@ __all__ = [
     "read_photo",
     "segment",
     "trace",
+    "unresolved",
 ]

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from imaging.centreline import arclength
 from imaging.errors import Unmeasurable
 from imaging.trace import Strand
 
@@ -25,8 +26,15 @@ def available() -> bool:
     return True
 
 
-def write_rois(path: Path, strands: Sequence[Strand], crossings: pd.DataFrame) -> None:
+def write_rois(
+    path: Path,
+    strands: Sequence[Strand],
+    crossings: pd.DataFrame,
+    contacts: pd.DataFrame | None = None,
+) -> None:
     """Write a zip for ImageJ's ROI manager: a freeline a strand, a point a crossing.
+
+    Stretches of unresolved contact (of `imaging.unresolved`) are freelines along the first strand.
 
     Raises
     ------
@@ -37,11 +45,14 @@ def write_rois(path: Path, strands: Sequence[Strand], crossings: pd.DataFrame) -
         raise Unmeasurable(f"{path}: ImageJ files need the extra: pip install 'combing[formats]'")
     import roifile
 
+    lines = {f"strand-{number}": s.line for number, s in enumerate(strands, start=1)}
+    lines |= _stretches(strands, contacts)
+    thick = max(1, round(float(np.median(np.concatenate([s.width for s in strands]))) / 8))
     rois = []
-    for number, strand in enumerate(strands, start=1):
-        roi = roifile.ImagejRoi.frompoints(_vertices(strand.line) + CORNER, name=f"strand-{number}")
+    for name, line in lines.items():
+        roi = roifile.ImagejRoi.frompoints(_vertices(line) + CORNER, name=name)
         roi.roitype = roifile.ROI_TYPE.FREELINE
-        roi.stroke_width = max(1, round(float(np.median(strand.width)) / 8))
+        roi.stroke_width = thick
         rois.append(roi)
     for number, row in enumerate(crossings.to_dict("records"), start=1):
         name = f"crossing-{number}-strands-{row['strand_a']}-{row['strand_b']}"
@@ -49,6 +60,18 @@ def write_rois(path: Path, strands: Sequence[Strand], crossings: pd.DataFrame) -
         roi.roitype = roifile.ROI_TYPE.POINT
         rois.append(roi)
     roifile.roiwrite(path, rois, mode="w")
+
+
+def _stretches(strands: Sequence[Strand], contacts: pd.DataFrame | None) -> dict[str, np.ndarray]:
+    """Unresolved contact along the first strand, by name."""
+    found = {}
+    rows = [] if contacts is None else contacts.to_dict("records")
+    for number, row in enumerate(rows, start=1):
+        line = strands[row["strand_a"] - 1].line
+        s = arclength(line)
+        name = f"unresolved-{number}-strands-{row['strand_a']}-{row['strand_b']}"
+        found[name] = line[(s >= row["s_a_from"]) & (s <= row["s_a_to"])]
+    return found
 
 
 def _vertices(line: np.ndarray) -> np.ndarray:

@@ -1,6 +1,7 @@
 """N-body interactions of a curl: how many strands are entangled together, and how often."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,9 @@ from scipy.special import gammaincinv
 from imaging.crossings import crossings
 from imaging.errors import Unmeasurable
 from imaging.trace import Strand
+from imaging.unresolved import contact_of
+
+Component = frozenset[int]  # of nodes: section * number of strands + strand, from 0
 
 
 def interactions(
@@ -19,6 +23,7 @@ def interactions(
     *,
     table: pd.DataFrame | None = None,
     axis: np.ndarray | None = None,
+    contacts: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """Count N-body interactions section by section (the rule of Plumb-Reyes et al.).
 
@@ -37,14 +42,17 @@ def interactions(
     axis : (2,) array, optional
         Direction of the curl; by default the mean of the strands' root-to-tip directions, or their
         principal direction where these cancel.
+    contacts : DataFrame, optional
+        Result of ``unresolved(strands, table)``: adds the column ``unresolved``.
 
     Returns
     -------
     DataFrame
         ``section`` (from 1 at the roots), ``N`` (2 to the number of strands), ``count``,
-        ``density`` = count over the section's length [1 / unit of the strands]. The mean density
-        over the sections is rho_N. ``attrs``: ``n_sec``, ``rule``, ``length`` of the curl,
-        ``axis``.
+        ``density`` = count over the section's length [1 / unit of the strands]; ``unresolved``,
+        those of `count` that would not be there, or of other strands, if in all unresolved contact
+        strands crossed wherever they may, or nowhere. The mean density over the sections is rho_N.
+        ``attrs``: ``n_sec``, ``rule``, ``length`` of the curl, ``axis``.
 
     Raises
     ------
@@ -58,20 +66,15 @@ def interactions(
     start, length = along.min(), np.ptp(along)
     table = crossings(strands) if table is None else table
     inter = table[table["kind"] == "inter"]
-    place = (inter[["x", "y"]].to_numpy() @ direction - start) / length
-    section = np.clip((place * n_sec).astype(int), 0, n_sec - 1)
-    sizes = _component_sizes(inter, section, n_sec, len(lines))
-    counts = pd.crosstab(sizes["section"], sizes["N"]).reindex(
-        index=range(n_sec), columns=range(2, len(lines) + 1), fill_value=0
-    )
-    found = pd.DataFrame(
-        {
-            "section": np.repeat(np.arange(1, n_sec + 1), len(lines) - 1),
-            "N": np.tile(np.arange(2, len(lines) + 1), n_sec),
-            "count": counts.to_numpy().ravel(),
-        }
-    )
+    section = partial(_section, along=direction, start=start, length=length, n_sec=n_sec)
+    edges = _edges(inter).assign(section=section(inter["x"], inter["y"]))
+    components = _components(edges, n_sec, len(lines))
+    found = _counted(components, n_sec, len(lines), "count")
     found["density"] = found["count"] * n_sec / length
+    if contacts is not None:
+        sure = edges[contact_of(inter, contacts).isna()]
+        doubtful = components - _in_any_case(sure, _spans(contacts, section), n_sec, len(lines))
+        found["unresolved"] = _counted(doubtful, n_sec, len(lines), "unresolved")["unresolved"]
     found.attrs = {
         "rule": "components of the crossing graph in equal sections of the axis",
         "n_sec": n_sec,
@@ -104,20 +107,66 @@ def curl_axis(lines: list[np.ndarray]) -> np.ndarray:
     return principal if principal[1] >= 0 else -principal
 
 
-def _component_sizes(
-    inter: pd.DataFrame, section: np.ndarray, n_sec: int, count: int
-) -> pd.DataFrame:
-    """Strands in each component of each section's crossing graph, components of one left out."""
-    a = section * count + inter["strand_a"].to_numpy() - 1
-    b = section * count + inter["strand_b"].to_numpy() - 1
+def _section(
+    x: pd.Series, y: pd.Series, along: np.ndarray, start: float, length: float, n_sec: int
+) -> np.ndarray:
+    """Section of the axis, from 0, in which points lie."""
+    place = (np.stack([x, y], axis=1) @ along - start) / length
+    return np.clip((place * n_sec).astype(int), 0, n_sec - 1)
+
+
+def _spans(contacts: pd.DataFrame, section: Callable[..., np.ndarray]) -> pd.DataFrame:
+    """Pairs of strands in unresolved contact, with the first and last section it reaches into."""
+    inter = contacts[contacts["kind"] == "inter"]
+    ends = [section(inter[f"x_{end}"], inter[f"y_{end}"]) for end in ("from", "to")]
+    return _edges(inter).assign(first=np.minimum(*ends), last=np.maximum(*ends))
+
+
+def _edges(table: pd.DataFrame) -> pd.DataFrame:
+    """Pairs of strands, counted from 0."""
+    return pd.DataFrame({"a": table["strand_a"] - 1, "b": table["strand_b"] - 1}, dtype=int)
+
+
+def _components(edges: pd.DataFrame, n_sec: int, count: int) -> set[Component]:
+    """Components of two strands and more of each section's crossing graph."""
+    a = (edges["section"] * count + edges["a"]).to_numpy(int)
+    b = (edges["section"] * count + edges["b"]).to_numpy(int)
     nodes = n_sec * count
     graph = coo_array((np.ones(len(a)), (a, b)), shape=(nodes, nodes))
     _, component = connected_components(graph, directed=False)
-    sizes = np.bincount(component)
-    first = np.full(len(sizes), nodes)
-    np.minimum.at(first, component, np.arange(nodes))
-    several = sizes >= 2
-    return pd.DataFrame({"section": first[several] // count, "N": sizes[several]})
+    members: dict[int, list[int]] = {}
+    for node in np.union1d(a, b).tolist():
+        members.setdefault(int(component[node]), []).append(node)
+    return {frozenset(group) for group in members.values()}
+
+
+def _in_any_case(sure: pd.DataFrame, spans: pd.DataFrame, n_sec: int, count: int) -> set[Component]:
+    """Components that are the same whether strands in unresolved contact cross or not.
+
+    Parameters
+    ----------
+    sure : DataFrame
+        Crossings outside unresolved contact: ``a``, ``b``, ``section``.
+    spans : DataFrame
+        Unresolved contact: ``a``, ``b``, ``first`` and ``last`` section it reaches into.
+    """
+    reach = (spans["last"] - spans["first"] + 1).to_numpy(int)
+    may = spans.loc[spans.index.repeat(reach), ["a", "b"]]
+    may["section"] = np.concatenate(
+        [np.arange(first, first + n) for first, n in zip(spans["first"], reach, strict=True)]
+        or [np.empty(0, int)]
+    )
+    possible = pd.concat([sure, may], ignore_index=True)
+    return _components(sure, n_sec, count) & _components(possible, n_sec, count)
+
+
+def _counted(components: set[Component], n_sec: int, count: int, name: str) -> pd.DataFrame:
+    """Count the components in each section (from 1) by how many strands they hold."""
+    table = np.zeros((n_sec, count - 1), int)
+    for component in components:
+        table[min(component) // count, len(component) - 2] += 1
+    sections, sizes = np.indices(table.shape).reshape(2, -1)
+    return pd.DataFrame({"section": sections + 1, "N": sizes + 2, name: table.ravel()})
 
 
 def densities(found: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
@@ -134,7 +183,8 @@ def densities(found: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
     -------
     DataFrame
         ``N``, ``count``, ``density`` rho_N = count / length, ``low``, ``high``: the exact interval
-        of a Poisson count (Garwood 1936), over the length. ``attrs`` as in `found`.
+        of a Poisson count (Garwood 1936), over the length; ``unresolved`` summed, if it is there.
+        ``attrs`` as in `found`.
     """
     total = found.groupby("N")["count"].sum()
     length = found.attrs["length"]
@@ -151,6 +201,8 @@ def densities(found: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
             "high": high / length,
         }
     )
+    if "unresolved" in found:
+        summed["unresolved"] = found.groupby("N")["unresolved"].sum().to_numpy()
     summed.attrs = dict(found.attrs)
     return summed
 

@@ -15,6 +15,7 @@ from imaging.quality import exposure, notes_on
 from imaging.scale import Request, Scale
 from imaging.segment import Segmentation, segment
 from imaging.trace import Strand, trace
+from imaging.unresolved import contact_notes, contact_of, hidden_ends, unresolved
 from imaging.winding import Pair, winding_pairs, wound
 
 OTHER_SECTIONS = (0.5, 2.0)  # times n_sec, to show how much the densities depend on it
@@ -31,7 +32,10 @@ class Measured:
     segmentation : Segmentation
     strands : list of Strand
     crossings : DataFrame
-        From `imaging.crossings`.
+        From `imaging.crossings`, and ``contact``: the row of `unresolved`, from 1, it lies in.
+    unresolved : DataFrame
+        From `imaging.unresolved`: contact of which the picture does not tell how often, or where,
+        the strands cross.
     interactions, densities : DataFrame or None
         By section and summed; None where there are fewer than two strands. Where the scale has
         perspective, sections are cut in the plane of the strands, and a pixel is the mean one.
@@ -46,6 +50,7 @@ class Measured:
     segmentation: Segmentation
     strands: list[Strand]
     crossings: pd.DataFrame
+    unresolved: pd.DataFrame
     interactions: pd.DataFrame | None
     densities: pd.DataFrame | None
     scale: Scale | None
@@ -82,14 +87,19 @@ def measure(photo: Photo, request: Request | None = None, n_sec: int = 20) -> Me
     if request is not None and scale is None:
         scale = filament_scale(request, strands)
     table = crossings(strands, segmentation)
+    contacts = unresolved(strands, table)
+    table["contact"] = contact_of(table, contacts)
     found = dense = None
     if len(strands) > 1:
-        lines, flat = _in_plane(strands, table, scale)
-        found = interactions(lines, n_sec, table=flat)
-        dense = _all_densities(lines, flat, n_sec, _radius(strands))
-    links, notes = wound(photo, segmentation, strands, winding_pairs(table))
-    notes = notes_on(photo, segmentation, strands) + notes
-    return Measured(photo, segmentation, strands, table, found, dense, scale, links, notes)
+        lines, flat, flat_contacts = _in_plane(strands, table, contacts, scale)
+        found = interactions(lines, n_sec, table=flat, contacts=flat_contacts)
+        dense = _all_densities(lines, flat, flat_contacts, n_sec, _radius(strands))
+    links, winding = wound(photo, segmentation, strands, winding_pairs(table))
+    notes = notes_on(photo, segmentation, strands) + contact_notes(contacts, found)
+    notes += hidden_ends(strands) + winding
+    return Measured(
+        photo, segmentation, strands, table, contacts, found, dense, scale, links, notes
+    )
 
 
 def _strands(photo: Photo) -> tuple[Segmentation, list[Strand]]:
@@ -105,15 +115,18 @@ def _strands(photo: Photo) -> tuple[Segmentation, list[Strand]]:
 
 
 def _in_plane(
-    strands: list[Strand], table: pd.DataFrame, scale: Scale | None
-) -> tuple[list[np.ndarray], pd.DataFrame]:
-    """Centrelines and crossings as seen from straight above, in mean pixels."""
+    strands: list[Strand], table: pd.DataFrame, contacts: pd.DataFrame, scale: Scale | None
+) -> tuple[list[np.ndarray], pd.DataFrame, pd.DataFrame]:
+    """Centrelines, crossings and contacts as seen from straight above, in mean pixels."""
     lines = [strand.line for strand in strands]
     if scale is None or scale.plane is None:
-        return lines, table
+        return lines, table, contacts
     pixel = scale.metres_per_pixel
-    x, y = scale.metres(table[["x", "y"]].to_numpy(float)).T / pixel
-    return [scale.metres(line) / pixel for line in lines], table.assign(x=x, y=y)
+    table, contacts = table.copy(), contacts.copy()
+    for moved, end in ((table, ""), (contacts, "_from"), (contacts, "_to")):
+        columns = [f"x{end}", f"y{end}"]
+        moved[columns] = scale.metres(moved[columns].to_numpy(float)) / pixel
+    return [scale.metres(line) / pixel for line in lines], table, contacts
 
 
 def _radius(strands: list[Strand]) -> float:
@@ -121,12 +134,16 @@ def _radius(strands: list[Strand]) -> float:
 
 
 def _all_densities(
-    lines: list[np.ndarray], table: pd.DataFrame, n_sec: int, radius: float
+    lines: list[np.ndarray],
+    table: pd.DataFrame,
+    contacts: pd.DataFrame,
+    n_sec: int,
+    radius: float,
 ) -> pd.DataFrame:
     """Densities by the asked rule, by coarser and finer sections, and without sections."""
     parts = []
     for number in sorted({n_sec, *(max(1, round(n_sec * factor)) for factor in OTHER_SECTIONS)}):
-        parts.append(densities(interactions(lines, number, table=table)))
+        parts.append(densities(interactions(lines, number, table=table, contacts=contacts)))
         parts[-1].insert(0, "rule", f"{number} sections")
     parts.append(densities(events(lines, radius, table=table)))
     parts[-1].insert(0, "rule", "touching overlaps")

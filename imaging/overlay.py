@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial import cKDTree
 
-from imaging.centreline import arclength
+from imaging.centreline import arclength, normals
 from imaging.photo import Photo
 from imaging.segment import Segmentation
 from imaging.trace import Strand
@@ -17,6 +17,7 @@ from imaging.trace import Strand
 SUBPIXEL_BITS = 4
 RING = "#ff00c8"  # a colour strands seldom have
 RING_RADIUS = 1.1  # strand widths
+ASIDE = 1.4  # strand widths from a centreline to the outline of unresolved contact
 
 
 def labels_picture(segmentation: Segmentation, strands: Sequence[Strand]) -> np.ndarray:
@@ -37,11 +38,16 @@ def labels_picture(segmentation: Segmentation, strands: Sequence[Strand]) -> np.
 
 
 def draw_overlay(
-    photo: Photo, segmentation: Segmentation, strands: Sequence[Strand], crossings: pd.DataFrame
+    photo: Photo,
+    segmentation: Segmentation,
+    strands: Sequence[Strand],
+    crossings: pd.DataFrame,
+    contacts: pd.DataFrame | None = None,
 ) -> np.ndarray:
     """Draw centrelines, strand numbers and crossings over the photograph, (h, w, 3) uint8 RGB.
 
     A crossing is a ring; the bar in it lies along the strand on top, and is missing when unknown.
+    Unresolved contact (of `imaging.unresolved`) is outlined.
     """
     picture = photo.eight_bits().copy()
     thick = _thickness(segmentation)
@@ -58,6 +64,10 @@ def draw_overlay(
         cv2.circle(picture, centre, radius, ring, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS)
     for bar in _top_bars(strands, crossings, RING_RADIUS * segmentation.width):
         cv2.polylines(picture, [_fixed(bar)], False, ring, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS)
+    for outline in _outlines(strands, contacts, segmentation.width):
+        cv2.polylines(
+            picture, [_fixed(outline)], True, ring, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS
+        )
     for number, strand in enumerate(strands, start=1):
         _write_number(picture, number, strand.line[0])
     return picture
@@ -77,6 +87,20 @@ def _top_bars(
         reach = radius * along / max(float(np.hypot(*along)), 1e-9)
         bars.append(np.array([row["x"], row["y"]]) + np.stack([-reach, reach]))
     return bars
+
+
+def _outlines(
+    strands: Sequence[Strand], contacts: pd.DataFrame | None, width: float
+) -> list[np.ndarray]:
+    """Outline each stretch of unresolved contact along its first strand, (n, 2) all of them."""
+    outlines = []
+    for row in [] if contacts is None else contacts.to_dict("records"):
+        line = strands[row["strand_a"] - 1].line
+        s = arclength(line)
+        at = (s >= row["s_a_from"] - width) & (s <= row["s_a_to"] + width)
+        aside = ASIDE * width * normals(line)[at]
+        outlines.append(np.concatenate([line[at] + aside, (line[at] - aside)[::-1]]))
+    return outlines
 
 
 def _thickness(segmentation: Segmentation) -> int:
@@ -116,7 +140,11 @@ def _write_number(picture: np.ndarray, number: int, root: np.ndarray) -> None:
 
 
 def overlay_svg(
-    photo: Photo, segmentation: Segmentation, strands: Sequence[Strand], crossings: pd.DataFrame
+    photo: Photo,
+    segmentation: Segmentation,
+    strands: Sequence[Strand],
+    crossings: pd.DataFrame,
+    contacts: pd.DataFrame | None = None,
 ) -> str:
     """Return the overlay as one SVG file: the photograph below, lines that can be edited above.
 
@@ -139,6 +167,7 @@ def overlay_svg(
             f'<g fill="none" stroke="{RING}" stroke-width="{_thickness(segmentation)}">',
             *rings,
             *(_svg_bar(bar) for bar in _top_bars(strands, crossings, radius)),
+            *_svg_contacts(strands, contacts, segmentation.width),
             "</g>",
             "</svg>",
             "",
@@ -156,6 +185,20 @@ def _svg_strand(number: int, strand: Strand, segmentation: Segmentation) -> str:
 def _svg_bar(bar: np.ndarray) -> str:
     (x1, y1), (x2, y2) = bar + 0.5
     return f'<line x1="{x1:.2f}" y1="{y1:.2f}" x2="{x2:.2f}" y2="{y2:.2f}"/>'
+
+
+def _svg_contacts(
+    strands: Sequence[Strand], contacts: pd.DataFrame | None, width: float
+) -> list[str]:
+    """Outlines that say which strands are in unresolved contact."""
+    drawn = []
+    for number, outline in enumerate(_outlines(strands, contacts, width)):
+        assert contacts is not None
+        pair = contacts.iloc[number]
+        points = " ".join(f"{x:.2f},{y:.2f}" for x, y in outline + 0.5)
+        title = f"{pair['strand_a']} and {pair['strand_b']}: unresolved contact"
+        drawn.append(f'<polygon points="{points}"><title>{title}</title></polygon>')
+    return drawn
 
 
 def _svg_ring(row: dict[Hashable, Any], radius: float) -> str:

@@ -1,6 +1,7 @@
 """Strands, crossings, interactions and link density of one photograph in pixels and metres."""
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -37,9 +38,23 @@ DICTIONARY = {
     "angle": "angle between the strands, 0 to pi/2 [rad]; with perspective, in their plane",
     "over": "number of the strand on top; empty = unknown",
     "confidence": "probability that `over` is right",
+    "contact": (
+        "row of unresolved.csv, from 1, that the crossing lies in, where the number or the place "
+        "of crossings is a guess; empty = resolved"
+    ),
+    "crossings": "crossings of crossings.csv that lie in the unresolved contact; may be 0",
+    "s_a_from, s_a_to, s_b_from, s_b_to": "extent of unresolved contact along both strands [px]",
+    "x_from, y_from, x_to, y_to": "where on strand_a unresolved contact begins and ends [px]",
+    "s_a_from_m, s_a_to_m, s_b_from_m, s_b_to_m, x_from_m, y_from_m, x_to_m, y_to_m": (
+        "the same [m] (only with a scale)"
+    ),
     "section": "section of the curl's axis from 1 at the roots",
     "N": "strands in one interaction: a component of the section's crossing graph",
     "count": "number of such interactions",
+    "unresolved": (
+        "how many of `count` rest on unresolved contact: would not be there, or of other strands, "
+        "if all strands in it crossed wherever they may, or none did; empty = the rule cannot tell"
+    ),
     "density_per_px, density_per_m": "count over the section's (or curl's) length [1/px, 1/m]",
     "rule": "how crossings were gathered into interactions",
     "low, high": "exact 95 % Poisson interval of the density [1/px]",
@@ -100,6 +115,21 @@ def crossings_table(measured: Measured, name: str) -> pd.DataFrame:
             heading = [_along(measured.strands, table, which, headings) for which in "ab"]
             turned = np.abs(np.mod(np.subtract(*heading) + np.pi / 2, np.pi) - np.pi / 2)
             table["angle"] = turned
+    return _finished(table, measured, name)
+
+
+def unresolved_table(measured: Measured, name: str) -> pd.DataFrame:
+    """Return one row a stretch of unresolved contact, in pixels and (with a scale) metres."""
+    table = measured.unresolved.copy()
+    if measured.scale is not None:
+        scale = measured.scale
+        lengths = [arclength(scale.metres(strand.line)) for strand in measured.strands]
+        for which, end in product("ab", ("from", "to")):
+            at = table.rename(columns={f"s_{which}_{end}": f"s_{which}"})
+            table[f"s_{which}_{end}_m"] = _along(measured.strands, at, which, lengths)
+        for end in ("from", "to"):
+            places = scale.metres(table[[f"x_{end}", f"y_{end}"]].to_numpy(float))
+            table[[f"x_{end}_m", f"y_{end}_m"]] = places
     return _finished(table, measured, name)
 
 

@@ -14,7 +14,8 @@ from combing.commands import photo as photo_command
 from imaging.synthetic import render
 
 FILES = {
-    "strands.csv", "crossings.csv", "interactions.csv", "densities.csv", "link.csv", "labels.png",
+    "strands.csv", "crossings.csv", "unresolved.csv", "interactions.csv", "densities.csv",
+    "link.csv", "labels.png",
     "overlay.png", "overlay.svg", "histogram.png", "histogram.svg", "DATA.md", "provenance.json",
 }  # fmt: skip
 
