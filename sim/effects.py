@@ -83,7 +83,7 @@ def contact(scene: Scene, state: State) -> contact_kernel.Contact | None:
         np.zeros(8 * state.n, np.int64),
         np.zeros((8 * state.n, 3)),
         np.zeros(state.n, np.int64),
-        np.zeros(2),
+        np.zeros(3),
         np.zeros((3, contact_kernel.BATCH), np.int64),
         np.zeros(contact_kernel.WORK),
     )

@@ -20,6 +20,8 @@ class Unstable(RuntimeError):
         Where the speed was largest.
     effect, mode : str
         What drove it there: an effect of the scene, and the motion of the mesh it excited.
+    partner : (int, int) or None
+        Rod and element on the other side, where two pass through each other.
     path : Path or None
         Where the run was written as far as it was good.
     """
@@ -27,12 +29,19 @@ class Unstable(RuntimeError):
     users_fault = True  # the message says what to change; a traceback says nothing
 
     def __init__(
-        self, message: str, time: float, rod: int, element: int, effect: str, mode: str
+        self,
+        message: str,
+        time: float,
+        rod: int,
+        element: int,
+        effect: str,
+        mode: str,
+        partner: tuple[int, int] | None = None,
     ) -> None:
         # All of them, so that it can be pickled.
-        super().__init__(message, time, rod, element, effect, mode)
+        super().__init__(message, time, rod, element, effect, mode, partner)
         self.time, self.rod, self.element = time, rod, element
-        self.effect, self.mode = effect, mode
+        self.effect, self.mode, self.partner = effect, mode, partner
         self.path: Path | None = None
 
     def __str__(self) -> str:

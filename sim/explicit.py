@@ -11,6 +11,7 @@ from sim.kernels import march as march_kernel
 from sim.kernels import neighbours
 from sim.kernels.contact import Contact, Friction
 from sim.kernels.tine import Tines
+from sim.passing import NONE, deep_pairs, newcomer, passing_through
 from sim.scene import Scene
 from sim.state import build
 from sim.winding import wound_up
@@ -47,6 +48,7 @@ class Explicit:
             self._heads = np.zeros(size, np.int64)
             self._following = np.zeros(self.state.n, np.int64)
             self._rebuild()
+        self._deep = deep_pairs(self)  # strands may start in each other
 
     @property
     def time(self) -> float:
@@ -59,8 +61,8 @@ class Explicit:
         Raises
         ------
         Unstable
-            The speed of some node left the range that the time step resolves, or an element turned
-            by nearly half a turn against its neighbour.
+            The speed of some node left the range that the time step resolves, an element turned by
+            nearly half a turn against its neighbour, or strands began to pass through each other.
         """
         left = steps
         while left > 0:
@@ -75,6 +77,16 @@ class Explicit:
                 raise unstable(self)
             elif status == march_kernel.WOUND:
                 raise wound_up(self)
+            elif status == march_kernel.DEEP:
+                self._look()
+            if taken > 0 and status != march_kernel.DEEP:
+                self._deep = NONE
+
+    def _look(self) -> None:
+        """See that no strand passes through another that it was apart from."""
+        before, self._deep = self._deep, deep_pairs(self)
+        if (pair := newcomer(self._deep, before)) is not None:
+            raise passing_through(self, *pair)
 
     def _rebuild(self) -> None:
         """List the pairs that may touch, making room when there are more than before."""

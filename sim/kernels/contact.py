@@ -15,16 +15,18 @@ from sim.kernels.neighbours import keep_in_play
 from sim.kernels.overlap import *  # noqa: F403
 from sim.kernels.vectors import along, at, cross, dot, minus, push, spin, to_body
 
+GIVES_WAY = 0.3  # mean overlap over contact distance, 0.31 where that is half, and more beyond
+
 
 class Contact(NamedTuple):
     """Contact between elements of rods: line stiffness k [N/m^2] and the neighbour list.
 
     Candidates for element a are ``partner[start[a]:start[a + 1]]``, those in play come first, up to
-    ``stop[a]``; `play` (2,) is how far nodes may move until that is found out anew [m], and the
-    number of steps since. `slip` holds the tangential displacement [m] of each pair, one row
-    without friction. `rod` and `arc` tell which rod an element is on and where. `batch` (3, BATCH)
-    and `work` (WORK,): element, partner and number of the pairs that are pressed together, and
-    their columns (`sim.kernels.overlap`).
+    ``stop[a]``; `play` (3,) is how far nodes may move until that is found out anew [m], the number
+    of steps since, and how many pairs gave way in the last step. `slip` holds the tangential
+    displacement [m] of each pair, one row without friction. `rod` and `arc` tell which rod an
+    element is on and where. `batch` (3, BATCH) and `work` (WORK,): element, partner and number of
+    the pairs that are pressed together, and their columns (`sim.kernels.overlap`).
     """
 
     stiffness: float
@@ -83,6 +85,7 @@ def contact_forces(buf, n, dt, contact, friction):
     """Add the contact forces, and friction if given, of all pairs in the neighbour list."""
     wedges(buf, n)
     keep_in_play(buf, n, contact)
+    contact.play[2] = 0.0
     count = 0
     for a in range(n):
         first, last = contact.start[a], contact.stop[a]
@@ -130,6 +133,9 @@ def scatter(buf, count, dt, contact, friction):
     """Add the forces of all columns to the four nodes of each pair, and their friction."""
     batch, work = contact.batch, contact.work
     for m in range(count):
+        # A quick test for `sim.kernels.passing`: straight strands half the contact distance apart.
+        if work[TOTAL + m] > GIVES_WAY * work[REACH + m] * work[SPRING + m]:
+            contact.play[2] += 1.0
         a, b = natural(batch[0, m]), natural(batch[1, m])
         force = at(work, PUSH0, PUSH1, PUSH2, m)
         by_s, by_t = at(work, BY_S0, BY_S1, BY_S2, m), at(work, BY_T0, BY_T1, BY_T2, m)

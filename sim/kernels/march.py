@@ -21,7 +21,7 @@ from sim.kernels.rod import (
 from sim.kernels.tine import Tines
 from sim.kernels.touch import touching_loads
 
-DONE, STALE, UNSTABLE, WOUND = 0, 1, 2, 3
+DONE, STALE, UNSTABLE, WOUND, DEEP = 0, 1, 2, 3, 4
 
 
 class Gravity(NamedTuple):
@@ -117,6 +117,14 @@ def is_stale(buf, n, contact):
 
 
 @kernel
+def gives_way(contact):
+    """Tell whether in the last step some contact had all but given way."""
+    if contact is not None:
+        return contact.play[2] > 0.0
+    return False
+
+
+@kernel
 def too_fast(buf, n, limit):
     """Count the nodes whose squared speed is not below `limit`; a NaN counts."""
     count = 0
@@ -132,7 +140,8 @@ def march(buf, n, time, dt, steps, limit, effects):
 
     STALE: the neighbour list must be rebuilt before the next step. UNSTABLE: after the step counted
     last, a node's squared speed is above `limit` or not a number. WOUND: in that step an element
-    turned by nearly half a turn against its neighbour.
+    turned by nearly half a turn against its neighbour. DEEP: in that step strands were half the
+    contact distance apart, or nearly.
     """
     keep, viscous, gravity, contact, friction, tines, tine_friction, driven, pulled, ledger = (
         effects
@@ -155,4 +164,6 @@ def march(buf, n, time, dt, steps, limit, effects):
             return step + 1, UNSTABLE
         if wound > 0:
             return step + 1, WOUND
+        if gives_way(contact):
+            return step + 1, DEEP
     return steps, DONE

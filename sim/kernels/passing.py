@@ -1,0 +1,99 @@
+"""Strands about to pass through each other: which listed pairs have all but given way.
+
+The march calls for a look after every step in which `contact.GIVES_WAY` is passed.
+"""
+
+import math
+
+from sim.kernels.compiled import formula, kernel
+from sim.kernels.contact import contact_interval, wedges
+from sim.kernels.layout import *  # noqa: F403
+from sim.kernels.overlap import press
+from sim.kernels.vectors import along, at, dot, minus
+
+DEEP = 0.5  # of the contact distance
+
+
+@formula
+def within(x):
+    """Return the value of [0, 1] next to x."""
+    return 0.0 if x < 0.0 else (1.0 if x > 1.0 else x)
+
+
+@formula
+def nearest_points(w, dp, u):
+    """Return s and t where the segments w + s dp and t u are closest."""
+    a, b, e = dot(dp, dp), dot(dp, u), dot(u, u)
+    c, f = dot(dp, w), dot(u, w)
+    det = a * e - b * b
+    s = within((b * f - c * e) / det) if det > 1e-12 * a * e else 0.0
+    t = (b * s + f) / e
+    if t < 0.0:
+        return within(-c / a), 0.0
+    if t > 1.0:
+        return within((b - c) / a), 1.0
+    return s, t
+
+
+@kernel
+def nearness(buf, a, b, contact):
+    """Return the squared distance of elements a and b over that of touching, infinite if far.
+
+    Also where the nearest point is the tip of a rod, which is pushed aside and passes nothing, and
+    where two elements of one rod have too little of it between them to be in contact.
+    """
+    p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
+    dp, u = minus(at(buf, X0, X1, X2, a + 1), p0), minus(at(buf, X0, X1, X2, b + 1), q0)
+    w, reach = minus(p0, q0), buf[RADIUS + a] + buf[RADIUS + b]
+    if dot(w, w) > 3.0 * (dot(dp, dp) + dot(u, u) + reach * reach):
+        return math.inf  # farther apart than both are long
+    s, t = nearest_points(w, dp, u)
+    if is_tip(buf, a, s) or is_tip(buf, b, t):
+        return math.inf
+    between = contact.arc[b] + t * buf[LENGTH + b] - contact.arc[a] - s * buf[LENGTH + a]
+    if contact.rod[a] == contact.rod[b] and between < contact.self_gap:
+        return math.inf
+    gap = along(along(w, s, dp), -t, u)
+    return dot(gap, gap) / (reach * reach)
+
+
+@formula
+def is_tip(buf, a, s):
+    """Tell whether the point at s on element a is an end of its rod."""
+    return (s <= 0.0 and buf[PREVIOUS + a] == 0.0) or (s >= 1.0 and buf[NEXT + a + 1] == 0.0)
+
+
+@kernel
+def deep_pairs(buf, n, contact, found):
+    """Fill `found` (m, 2) with the listed pairs nearer than DEEP of touching, return how many."""
+    count = 0
+    for a in range(n):
+        for k in range(contact.start[a], contact.start[a + 1]):
+            b = contact.partner[k]
+            if nearness(buf, a, b, contact) < DEEP * DEEP and count < found.shape[0]:
+                found[count, 0], found[count, 1] = a, b
+                count += 1
+    return count
+
+
+@kernel
+def load_around(buf, n, contact, a, b, arc):
+    """Return the force between the rods of a and b within a length `arc` of both [N]."""
+    wedges(buf, n)
+    total = (0.0, 0.0, 0.0)
+    for i in range(n):
+        for k in range(contact.start[i], contact.start[i + 1]):
+            j = contact.partner[k]
+            same = contact.rod[i] == contact.rod[a] and contact.rod[j] == contact.rod[b]
+            off = max(abs(contact.arc[i] - contact.arc[a]), abs(contact.arc[j] - contact.arc[b]))
+            reach = buf[RADIUS + i] + buf[RADIUS + j]
+            if same and off < arc + reach:
+                low, high = contact_interval(buf, i, j, reach)
+                if low < high:
+                    force, _, _, _, _, _ = press(
+                        at(buf, X0, X1, X2, i), at(buf, X0, X1, X2, i + 1),
+                        at(buf, X0, X1, X2, j), at(buf, X0, X1, X2, j + 1),
+                        low, high, reach, contact.stiffness * buf[LENGTH + i],
+                    )  # fmt: skip
+                    total = along(total, 1.0, force)
+    return math.sqrt(dot(total, total))

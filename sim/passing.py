@@ -1,0 +1,63 @@
+"""Where a march lets strands pass through each other: a contact that has all but given way."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.errors import Unstable
+from sim.kernels import passing as kernels
+from sim.timestep import SPRING
+
+if TYPE_CHECKING:
+    from sim.explicit import Explicit
+
+Pairs = NDArray[np.int64]
+ROOM = 256  # pairs that are kept; a contact that gives way is one of a few
+NONE = np.zeros((0, 2), np.int64)
+NEXT_TO = 2  # elements: as far as an overlap slides along a strand between two looks
+
+
+def deep_pairs(march: Explicit) -> Pairs:
+    """Return the pairs of elements nearer than half the contact distance, (m, 2)."""
+    if march.contact is None:
+        return NONE
+    found = np.zeros((ROOM, 2), np.int64)
+    return found[: kernels.deep_pairs(march.state.buf, march.state.n, march.contact, found)]
+
+
+def newcomer(now: Pairs, before: Pairs) -> tuple[int, int] | None:
+    """Return a pair that was not among those before, nor next to one, if there is any.
+
+    Strands may start in each other, and are pushed apart; what counts is what the march does.
+    """
+    for a, b in now.tolist():
+        if not (np.abs(before - (a, b)).max(axis=1) <= NEXT_TO).any():
+            return a, b
+    return None
+
+
+def passing_through(march: Explicit, a: int, b: int) -> Unstable:
+    """Return the error that says which two elements are on their way through each other."""
+    state, contact = march.state, march.contact
+    assert contact is not None
+    x, radius = state.rows("X0 X1 X2").T, state.row("RADIUS")
+    dp, u = x[a + 1] - x[a], x[b + 1] - x[b]
+    sine = np.linalg.norm(np.cross(dp, u)) / (np.linalg.norm(dp) * np.linalg.norm(u))
+    reach = radius[a] + radius[b]
+    longest = float(max(state.row("LENGTH")[[a, b]]))
+    load = kernels.load_around(state.buf, state.n, contact, a, b, longest)
+    near = math.sqrt(kernels.nearness(state.buf, a, b, contact))
+    # The most that k (reach - d), integrated along a straight line, gives over all distances.
+    most = 0.552 * contact.stiffness * reach**2 / max(sine, 1e-3)
+    (rod, element), (other, there) = state.place(a), state.place(b)
+    return Unstable(
+        f"strands pass through each other at t = {march.time:.6g} s: element {element} of rod "
+        f"{rod} and element {there} of rod {other} are {near:.2f} of the contact distance apart, "
+        f"pressed with {load:.3g} N; at this angle a crossing bears at most {most:.3g} N; "
+        f"increase contact.stiffness from {contact.stiffness:.3g} N/m^2, or load less",
+        march.time, rod, element, "contact of rods", SPRING, (other, there),
+    )  # fmt: skip
