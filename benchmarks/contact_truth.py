@@ -1,4 +1,4 @@
-"""What becomes of near-parallel contact in drawn curls: resolved rightly, wrongly, or not at all."""
+"""What becomes of near-parallel contact in drawn curls: resolved, rightly or wrongly, or not."""
 
 from itertools import combinations
 from typing import NamedTuple
@@ -22,7 +22,7 @@ class Contacts(NamedTuple):
     ----------
     right, open, wrong, lost : int
         True stretches of near-parallel contact whose crossings are counted rightly, that are called
-        unresolved, and the others, one of whose strands may be lost.
+        unresolved, the others, and those along which one of the strands was not followed at all.
     sure_found, sure_right : int
         Crossings found outside unresolved contact, and those of them that are there.
     sure_true, sure_seen : int
@@ -54,7 +54,9 @@ def score_contacts(
     truth, found = _places(crossings(lines)), _places(table, owner)
     open_to = _extents(strands, contacts, owner)
     verdicts = [
-        _verdict(stretch, pair, truth, found, open_to) if set(pair) <= set(owner) else "lost"
+        _verdict(stretch, pair, truth, found, open_to)
+        if all(_followed(stretch, k, owner, strands, width) for k in pair)
+        else "lost"
         for pair in combinations(range(len(lines)), 2)
         for stretch in _near_parallel(lines[pair[0]], lines[pair[1]], width)
     ]
@@ -105,6 +107,15 @@ def _near_parallel(a: np.ndarray, b: np.ndarray, width: float) -> list[np.ndarra
     s = arclength(a)
     parts = np.split(near, np.flatnonzero(np.diff(s[near]) > width) + 1) if len(near) else []
     return [a[part] for part in parts if s[part[-1]] - s[part[0]] > LONG * width]
+
+
+def _followed(
+    stretch: np.ndarray, number: int, owner: list[int], strands: list[Strand], width: float
+) -> bool:
+    """Tell whether a strand was found within two widths of where it runs beside another."""
+    own = [s.line for s, k in zip(strands, owner, strict=True) if k == number]
+    far = [cKDTree(line).query(stretch)[0] for line in own]
+    return bool(far) and np.min(far, axis=0).max() < 2 * width
 
 
 def _verdict(
