@@ -5,6 +5,7 @@ one side, with its own height above the picture plane; the highest surface wins 
 sub-pixel.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -63,7 +64,7 @@ class Picture:
 def render(
     strands: list[np.ndarray],
     heights: list[np.ndarray],
-    colours: ArrayLike,
+    colours: Sequence[ArrayLike] | np.ndarray,
     radius: float | ArrayLike,
     shape: tuple[int, int],
     *,
@@ -78,8 +79,8 @@ def render(
         Centrelines in picture points [px].
     heights : list of (n,) arrays
         Height of each centreline point above the picture plane [px].
-    colours : (k, 3) array
-        sRGB colour of each strand in [0, 1].
+    colours : sequence of (3,) or (n, 3) arrays
+        sRGB colour of each strand, or of each of its points, in [0, 1].
     radius : float or (k,) array
         Strand radius [px].
     shape : (h, w)
@@ -92,45 +93,43 @@ def render(
     """
     look = look or Look()
     radii = np.broadcast_to(np.asarray(radius, float), (len(strands),))
-    albedo = _to_linear(np.asarray(colours, float))
     big = (shape[0] * SUBPIXELS, shape[1] * SUBPIXELS)
     top = np.full(big, -np.inf, np.float32)
     owner = np.zeros(big, np.int32)
     light = np.empty((*big, 3), np.float32)
     light[:] = _to_linear(np.asarray(look.background, float))
     for number, (line, height) in enumerate(zip(strands, heights, strict=True)):
-        for points, levels in _chunks(line, height):
-            _draw(top, owner, light, points, levels, radii[number], albedo[number], number, look)
+        albedo = np.broadcast_to(_to_linear(np.asarray(colours[number], float)), (len(line), 3))
+        for piece in _chunks(line, height, albedo):
+            _draw(top, owner, light, piece, radii[number], number, look)
     middle = SUBPIXELS // 2
     labels = owner[middle::SUBPIXELS, middle::SUBPIXELS].copy()
     linear = cv2.resize(light, shape[::-1], interpolation=cv2.INTER_AREA)
     return Picture(_expose(linear, look, np.random.default_rng(rng)), labels)
 
 
-def _chunks(line: np.ndarray, height: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Cut a strand into short pieces sampled every half pixel."""
+def _chunks(line: np.ndarray, height: np.ndarray, albedo: np.ndarray) -> list[np.ndarray]:
+    """Cut a strand into short pieces sampled every half pixel: x, y, height, albedo (m, 6)."""
     step = np.hypot(*np.diff(line, axis=0).T)
     s = np.concatenate([[0], np.cumsum(step)])
     fine = np.linspace(0, s[-1], max(2, int(2 * s[-1])))
-    points = np.stack([np.interp(fine, s, line[:, i]) for i in (0, 1)], axis=1)
-    levels = np.interp(fine, s, height)
+    columns = np.column_stack([line, height, albedo]).T
+    sampled = np.stack([np.interp(fine, s, column) for column in columns], axis=1)
     size = int(2 * CHUNK)
-    starts = range(0, max(1, len(fine) - 1), size)
-    return [(points[i : i + size + 1], levels[i : i + size + 1]) for i in starts]
+    return [sampled[i : i + size + 1] for i in range(0, max(1, len(fine) - 1), size)]
 
 
 def _draw(
     top: np.ndarray,
     owner: np.ndarray,
     light: np.ndarray,
-    points: np.ndarray,
-    levels: np.ndarray,
+    piece: np.ndarray,
     radius: float,
-    albedo: np.ndarray,
     number: int,
     look: Look,
 ) -> None:
     """Draw one piece of tube into the height, owner and light buffers, in place."""
+    points, levels, albedo = piece[:, :2], piece[:, 2], piece[:, 3:]
     low = np.floor((points.min(axis=0) - radius + 0.5) * SUBPIXELS).astype(int)
     high = np.ceil((points.max(axis=0) + radius + 0.5) * SUBPIXELS).astype(int) + 1
     low = np.maximum(low, 0)
@@ -150,7 +149,7 @@ def _draw(
     normal = np.concatenate([offset, rise[..., None]], axis=-1)[wins] / radius
     top[box][wins] = surface[wins]
     owner[box][wins] = number + 1
-    light[box][wins] = _shade(normal, albedo, look)
+    light[box][wins] = _shade(normal, albedo[nearest][wins], look)
 
 
 def _shade(normal: np.ndarray, albedo: np.ndarray, look: Look) -> np.ndarray:
