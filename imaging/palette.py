@@ -1,5 +1,8 @@
 """The colours of the strands: how many there are, and which one each pixel shows."""
 
+from collections.abc import Iterator
+from itertools import pairwise
+
 import cv2
 import numpy as np
 from scipy import ndimage
@@ -84,11 +87,11 @@ def _modes(density: np.ndarray) -> np.ndarray:
     densest; one that touches two hills joins the lower to the higher unless the lower rises above
     the pass by more than PROMINENCE of its height.
     """
-    order = np.argsort(density, axis=None)[::-1]
-    order = order[density.ravel()[order] > 3e-3 * density.max()]  # never the rim
-    parent = [-1] * density.size
-    value = density.ravel().tolist()
-    steps = _neighbour_steps(density.shape).tolist()
+    value = density.ravel()
+    order = np.flatnonzero(value > 3e-3 * value.max())  # never the rim
+    order = order[np.argsort(value[order])[::-1]]
+    height = value[order].tolist()
+    parent: list[int] = []  # of each cell visited so far, in the order of visits
 
     def root(cell: int) -> int:
         while parent[cell] != cell:
@@ -96,21 +99,28 @@ def _modes(density: np.ndarray) -> np.ndarray:
             cell = parent[cell]
         return cell
 
-    for cell in order.tolist():
-        hills = {root(n) for n in (cell + step for step in steps) if parent[n] >= 0}
-        if not hills:
-            parent[cell] = cell
-            continue
-        highest = max(hills, key=value.__getitem__)
-        parent[cell] = highest
+    for cell, neighbours in enumerate(_denser_neighbours(order, density.shape)):
+        hills = {root(n) for n in neighbours}
+        highest = min(hills, default=cell)
+        parent.append(highest)
         for hill in hills - {highest}:
-            if value[hill] - value[cell] < PROMINENCE * value[hill]:
+            if height[hill] - height[cell] < PROMINENCE * height[hill]:
                 parent[hill] = highest
-    roots = np.full(density.size, -1)
-    visited = order.tolist()
-    roots[visited] = [root(cell) for cell in visited]
-    _, numbered = np.unique(roots, return_inverse=True)
-    return numbered.reshape(density.shape) - int(roots.min() < 0)
+    summits = order[[root(cell) for cell in range(len(order))]]
+    which = np.full(density.size, -1)
+    which[order] = np.unique(summits, return_inverse=True)[1]
+    return which.reshape(density.shape)
+
+
+def _denser_neighbours(order: np.ndarray, shape: tuple[int, ...]) -> Iterator[list[int]]:
+    """Of each cell, those of its 26 neighbours that come before it in the order (their places)."""
+    place = np.full(np.prod(shape), len(order))
+    place[order] = np.arange(len(order))
+    around = place[order[:, None] + _neighbour_steps(shape)]
+    before = around < np.arange(len(order))[:, None]
+    ends = np.cumsum(before.sum(axis=1)).tolist()
+    flat = around[before].tolist()
+    return (flat[start:end] for start, end in pairwise([0, *ends]))
 
 
 def _neighbour_steps(shape: tuple[int, ...]) -> np.ndarray:
@@ -145,17 +155,35 @@ def vote(
 
     Returns
     -------
-    (h, w) int32 array
+    (h, w) uint8 array
         0 outside strands, else 1 + the index of the colour.
     """
-    distance = np.stack([((features - centre) ** 2).sum(axis=1) for centre in centres])
-    nearest = distance.argmin(axis=0)
+    nearest = _nearest(features, centres)
+    y, x = np.nonzero(strand)
     sigma = max(SPREAD * width, BLUR)
-    votes = np.zeros(strand.shape, np.float32)
-    tally = np.empty((len(centres), len(features)), np.float32)
-    for colour in range(len(centres)):
-        votes[strand] = np.where(nearest == colour, weight, 0)
-        tally[colour] = cv2.GaussianBlur(votes, (0, 0), sigma)[strand]
-    labels = np.zeros(strand.shape, np.int32)
-    labels[strand] = tally.argmax(axis=0) + 1
-    return labels
+    labels = np.zeros(strand.shape, np.uint8)
+    most = np.zeros(strand.shape, np.float32)
+    for colour in np.unique(nearest).tolist():
+        own = nearest == colour
+        votes, box = _spread_out(y[own], x[own], weight[own], strand.shape, sigma)
+        np.copyto(labels[box], colour + 1, where=votes > most[box])
+        np.maximum(votes, most[box], out=most[box])
+    return np.where(strand, labels, np.uint8(0))
+
+
+def _nearest(features: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    """Index of the centre nearest to each row, from |f - c|^2 = |f|^2 - 2 (f.c - |c|^2 / 2)."""
+    centres = centres.astype(features.dtype)
+    return (centres @ features.T - (centres**2).sum(axis=1)[:, None] / 2).argmax(axis=0)
+
+
+def _spread_out(
+    y: np.ndarray, x: np.ndarray, weight: np.ndarray, shape: tuple[int, ...], sigma: float
+) -> tuple[np.ndarray, tuple[slice, slice]]:
+    """Weights of pixels, blurred, and the rows and columns of the picture they reach."""
+    reach = int(np.ceil(5 * sigma))
+    top, left = max(int(y.min()) - reach, 0), max(int(x.min()) - reach, 0)
+    bottom, right = min(int(y.max()) + reach + 1, shape[0]), min(int(x.max()) + reach + 1, shape[1])
+    votes = np.zeros((bottom - top, right - left), np.float32)
+    votes[y - top, x - left] = weight
+    return cv2.GaussianBlur(votes, (0, 0), sigma), np.s_[top:bottom, left:right]

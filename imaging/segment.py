@@ -15,10 +15,12 @@ Strategy:
 """
 
 from dataclasses import dataclass
+from itertools import product
 
 import cv2
 import numpy as np
 
+from imaging.background import above_background, contrast_of, in_even_light
 from imaging.errors import Unmeasurable
 from imaging.palette import colour_features, find_colours, unmixed, vote
 from imaging.photo import Photo
@@ -54,6 +56,8 @@ class Segmentation:
         Typical strand width [px].
     contrast : (h, w, 3) float32 array, optional
         Lab colour above the background's, as it would be in even light.
+    blocks : (h, w) bool array, optional
+        What stands out but is too wide to be a strand: a clamp, a card, a thick tine.
     """
 
     labels: np.ndarray
@@ -61,6 +65,7 @@ class Segmentation:
     colours: np.ndarray
     width: float
     contrast: np.ndarray | None = None
+    blocks: np.ndarray | None = None
 
 
 def segment(photo: Photo) -> Segmentation:
@@ -79,95 +84,64 @@ def segment(photo: Photo) -> Segmentation:
     Unmeasurable
         When nothing stands out from the background.
     """
-    ignore = photo.ignore
     lab = cv2.cvtColor(photo.rgb(), cv2.COLOR_RGB2Lab)
-    background = background_of(lab, ignore)
-    coverage, width = _coverage(photo.source, lab, background, ignore)
+    above = above_background(lab, photo.ignore)
+    coverage, width = _coverage(photo.source, above, photo.ignore)
     strand = coverage > EDGE
-    if not strand.any():
-        raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
-    covered, ground = coverage[strand], background[strand]
-    pure = unmixed(lab[strand], ground, covered)
-    features = colour_features(pure, ground)
-    at = _middles(lab, strand, width)
-    number = np.cumsum(strand).reshape(strand.shape) - 1
-    middle = number[at][strand[at]]
-    centres, colours = find_colours(features[middle], pure[middle], width)
-    if len(centres) == 0:
-        raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
-    say = covered**4 / _change(lab, strand)
-    labels = vote(features, strand, centres, width, say)
-    depth = _depth(labels)
-    together, width = width, _typical_width(depth)
-    if width < together / DEEPER:  # strands that touch: votes came from too far
-        labels = vote(features, strand, centres, width, say)
-        depth = _depth(labels)
-    labels = _without_blocks(labels, depth, width)
-    width = _strip_width(depth[labels > 0])
-    labels, colours = _with_enough(labels, colours, width)
+    features, say, centres, colours = _palette(lab, above, coverage, width)
+    if len(colours):
+        labels, depth, width = _voted(features, strand, centres, width, say)
+        blocks = _blocks(labels, depth, width)
+        labels[blocks] = 0
+        width = _strip_width(depth[labels > 0])
+        labels, colours = _with_enough(labels, colours, width)
     if len(colours) == 0:
         raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
     membership = _membership(labels, coverage, len(colours))
-    return Segmentation(labels, membership, colours, width, _contrast(lab, background))
+    contrast = in_even_light(above, lab)
+    return Segmentation(labels.astype(np.int32), membership, colours, width, contrast, blocks)
 
 
-def _contrast(lab: np.ndarray, background: np.ndarray) -> np.ndarray:
-    """Colour above the background in even light: (L + 16, a, b) go with its cube root."""
-    level = background[..., 0] + np.float32(16)
-    above = cv2.subtract(lab, background)
-    return cv2.multiply(above, cv2.merge([np.float32(level.mean()) / level] * 3), dst=above)
+def _palette(
+    lab: np.ndarray, above: np.ndarray, coverage: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Features of the strand pixels and how much each has to say; colours, as features and Lab."""
+    strand = coverage > EDGE
+    at = np.flatnonzero(strand)
+    covered = coverage.ravel()[at]
+    seen = _pixels(lab, at)
+    ground = seen - _pixels(above, at)
+    pure = unmixed(seen, ground, covered)
+    features = colour_features(pure, ground)
+    middle = _middles(lab, strand, width)
+    middle = np.searchsorted(at, middle[strand.ravel()[middle]])
+    centres, colours = find_colours(features[middle], pure[middle], width)
+    return features, covered**4 / _change(lab, at), centres, colours
 
 
-def background_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> np.ndarray:
-    """Return the smooth background under a Lab picture, shape (h, w, 3)."""
-    height, width = lab.shape[:2]
-    step = max(1, min(height, width) // 72)
-    small = cv2.resize(lab, (width // step, height // step), interpolation=cv2.INTER_AREA)
-    weight = np.ones(small.shape[:2], np.float32)
-    if ignore is not None:
-        hidden = cv2.resize(ignore.astype(np.float32), small.shape[1::-1])
-        weight = (hidden < 0.01).astype(np.float32)
-    surface, weight = _robust_quadratic(small, weight)
-    rest = _local_mean(small - surface, weight, sigma=0.08 * min(small.shape[:2]))
-    return cv2.resize(surface + rest, (width, height), interpolation=cv2.INTER_LINEAR)
+def _voted(
+    features: np.ndarray, strand: np.ndarray, centres: np.ndarray, width: float, say: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Colour of each pixel, depth within its colour (h, w both), and width of single strands."""
+    labels = vote(features, strand, centres, width, say)
+    depth = _depth(labels)
+    alone = _typical_width(depth)
+    if alone < width / DEEPER:  # strands that touch: votes came from too far
+        labels = vote(features, strand, centres, alone, say)
+        depth = _depth(labels)
+    return labels, depth, alone
 
 
-def _robust_quadratic(small: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Fit a quadratic surface to each channel, by Tukey-weighted least squares from the mode."""
-    height, width = weight.shape
-    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j].astype(np.float32)
-    basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], -1).reshape(-1, 6)
-    values = small.reshape(-1, 3)
-    prior = weight.ravel()
-    surface = np.broadcast_to(_mode_colour(values[prior > 0]), values.shape)
-    for _ in range(8):
-        distance = np.linalg.norm(values - surface, axis=1)
-        scale = max(4.7 * 1.5 * float(np.median(distance[prior > 0])), 3.0)
-        robust = prior * np.clip(1 - (distance / scale) ** 2, 0, None) ** 2
-        root = np.sqrt(robust)[:, None]
-        surface = basis @ np.linalg.lstsq(basis * root, values * root, rcond=None)[0]
-    return surface.reshape(small.shape), (robust > 0.25).reshape(height, width).astype(np.float32)
-
-
-def _mode_colour(values: np.ndarray) -> np.ndarray:
-    """Most common colour: the fullest cell of a coarse Lab grid, averaged."""
-    cell = np.floor(values / 8).astype(int) + 32
-    number = np.ravel_multi_index(tuple(cell.T), (64, 64, 64))
-    return np.median(values[number == np.bincount(number).argmax()], axis=0)
-
-
-def _local_mean(rest: np.ndarray, weight: np.ndarray, sigma: float) -> np.ndarray:
-    total = cv2.GaussianBlur(weight, (0, 0), sigma)
-    mean = cv2.GaussianBlur(rest * weight[..., None], (0, 0), sigma)
-    return mean / (total[..., None] + 0.05)
+def _pixels(picture: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Colours (n, 3) of the pixels at these places in the flattened picture."""
+    return np.take(picture.reshape(-1, 3), at, axis=0)
 
 
 def _coverage(
-    source: str, lab: np.ndarray, background: np.ndarray, ignore: np.ndarray | None
+    source: str, above: np.ndarray, ignore: np.ndarray | None
 ) -> tuple[np.ndarray, float]:
     """How much of each pixel a strand covers (h, w), and the typical strand width [px]."""
-    away = lab - background
-    contrast = np.sqrt(np.einsum("ijk,ijk->ij", away, away))
+    contrast = contrast_of(above)
     if ignore is not None:
         contrast[ignore] = 0
     smooth = cv2.blur(contrast, (3, 3))
@@ -181,64 +155,88 @@ def _coverage(
         )
     coarse = smooth > max(threshold, FAINT * float(np.percentile(smooth[coarse], 75)))
     coverage = _against_ridge(contrast, smooth, coarse)
-    width = _typical_width(_inside(coverage > EDGE))
-    keep = _without_dirt(coverage > EDGE, width)
-    return np.where(cv2.dilate(keep, np.ones((5, 5), np.uint8)) > 0, coverage, 0), width
+    strand = coverage > EDGE
+    width = _typical_width(_inside(strand))
+    long = _without_dirt(strand, width)
+    if not long.any():
+        raise Unmeasurable(f"{source}: {NO_STRAND}")
+    keep = cv2.dilate(long, np.ones((5, 5), np.uint8))
+    return np.multiply(coverage, keep, out=coverage), width
 
 
 def _against_ridge(contrast: np.ndarray, smooth: np.ndarray, coarse: np.ndarray) -> np.ndarray:
     """Contrast divided by that of the nearest ridge, clipped to [0, 1]."""
     ridge = _summit(_inside(coarse))
+    off = np.ones(coarse.shape, np.uint8)
+    off.ravel()[ridge] = 0
     _, nearest = cv2.distanceTransformWithLabels(
-        (~ridge).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+        off, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
     )
-    level = np.zeros(nearest.max() + 1, np.float32)
-    level[nearest[ridge]] = smooth[ridge]
-    return np.where(coarse, np.clip(contrast / np.maximum(level[nearest], 1e-6), 0, 1), 0)
+    nearest = nearest.ravel()
+    level = np.full(len(ridge) + 1, 1e-6, np.float32)
+    level[nearest[ridge]] = np.maximum(smooth.ravel()[ridge], np.float32(1e-6))
+    at = np.flatnonzero(coarse)
+    coverage = np.zeros(coarse.shape, np.float32)
+    coverage.ravel()[at] = np.minimum(contrast.ravel()[at] / level[nearest[at]], 1)
+    return coverage
 
 
 def _inside(mask: np.ndarray) -> np.ndarray:
     """Distance to the outside of a mask [px], 0 outside."""
-    return cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
+    return cv2.distanceTransform(mask.view(np.uint8), cv2.DIST_L2, 5)
 
 
-def _summit(depth: np.ndarray) -> np.ndarray:
-    """Medial axis: where the distance to the outside is a local maximum."""
-    return (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - 0.3) & (depth > 0)
+def _summit(depth: np.ndarray, least: float = 0.0) -> np.ndarray:
+    """Medial axis deeper than `least`: places in the flattened picture of the deepest around."""
+    highest = cv2.dilate(depth, np.ones((3, 3), np.uint8)).ravel()
+    at = np.flatnonzero(depth > least)
+    return at[depth.ravel()[at] >= highest[at] - np.float32(0.3)]
 
 
-def _middles(lab: np.ndarray, strand: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and columns of pixels in the middle of strands.
+def _middles(lab: np.ndarray, strand: np.ndarray, width: float) -> np.ndarray:
+    """Places in the flattened picture of pixels in the middle of strands.
 
     Those of the medial axis, unless it runs deeper than in a single strand and the colour half-way
     to the rim is another on one side than on the other: then two strands touch there, and the two
     sides are their middles.
     """
     depth = _inside(strand)
-    y, x = np.nonzero(_summit(depth) & (depth > 0.35 * width))
-    deep = depth[y, x]
+    at = _summit(depth, 0.35 * width)
+    deep = depth.ravel()[at]
+    wide = deep > DEEPER * np.percentile(deep, 20)
+    y, x = np.divmod(at[wide], strand.shape[1])
     last = np.subtract(strand.shape, 1)
     angle = np.pi * np.arange(16)[:, None] / 8
-    rows = np.clip(np.rint(y + deep / 2 * np.sin(angle)), 0, last[0]).astype(int)
-    columns = np.clip(np.rint(x + deep / 2 * np.cos(angle)), 0, last[1]).astype(int)
-    hue = _hue(cv2.blur(lab, (3, 3))[rows, columns])
+    rows = np.clip(np.rint(y + deep[wide] / 2 * np.sin(angle)), 0, last[0]).astype(int)
+    columns = np.clip(np.rint(x + deep[wide] / 2 * np.cos(angle)), 0, last[1]).astype(int)
+    hue = _hue(_mean_around(lab, rows, columns))
     apart = np.abs(hue[:8] - hue[8:]).sum(axis=-1)
-    border = (apart.max(axis=0) > BORDER) & (deep > DEEPER * np.percentile(deep, 20))
-    at = apart.argmax(axis=0)[border], np.flatnonzero(border)
-    opposite = at[0] + 8, at[1]
-    return (
-        np.concatenate([y[~border], rows[at], rows[opposite]]),
-        np.concatenate([x[~border], columns[at], columns[opposite]]),
-    )
+    border = np.flatnonzero(apart.max(axis=0) > BORDER)
+    side = apart.argmax(axis=0)[border]
+    aside = rows * strand.shape[1] + columns
+    single = np.delete(at, np.flatnonzero(wide)[border])
+    return np.concatenate([single, aside[side, border], aside[side + 8, border]])
 
 
-def _change(lab: np.ndarray, strand: np.ndarray) -> np.ndarray:
-    """Square of the colour's change per pixel [Lab units^2], noise included, in strand pixels."""
-    y, x = np.nonzero(strand)
-    height, width = strand.shape
-    down = lab[np.minimum(y + 1, height - 1), x] - lab[np.maximum(y - 1, 0), x]
-    right = lab[y, np.minimum(x + 1, width - 1)] - lab[y, np.maximum(x - 1, 0)]
-    return ((down**2 + right**2) / 4).sum(axis=1) + JUST_NOTICED**2
+def _mean_around(lab: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Mean colour (..., 3) of the 3 x 3 pixels around each of these."""
+    height, width = lab.shape[:2]
+    total = np.zeros((*rows.shape, 3), np.float32)
+    for down, right in product((-1, 0, 1), repeat=2):
+        y, x = (rows + down).clip(0, height - 1), (columns + right).clip(0, width - 1)
+        total += _pixels(lab, y * width + x)
+    return total / 9
+
+
+def _change(lab: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Square of the colour's change per pixel [Lab units^2], noise included, at these places."""
+    height, width = lab.shape[:2]
+    y, x = np.divmod(at, width)
+    below, above = np.minimum(y + 1, height - 1) * width + x, np.maximum(y - 1, 0) * width + x
+    right, left = at + (x + 1 < width), at - (x > 0)
+    down = _pixels(lab, below) - _pixels(lab, above)
+    across = _pixels(lab, right) - _pixels(lab, left)
+    return (down**2 + across**2) @ np.full(3, 0.25, np.float32) + np.float32(JUST_NOTICED**2)
 
 
 def _hue(lab: np.ndarray) -> np.ndarray:
@@ -247,7 +245,7 @@ def _hue(lab: np.ndarray) -> np.ndarray:
 
 def _typical_width(depth: np.ndarray) -> float:
     """Twice the depth of the medial axis (mean of its middle half), less half a pixel a side."""
-    depths = np.sort(depth[_summit(depth) & (depth > 1.2)])
+    depths = np.sort(depth.ravel()[_summit(depth, 1.2)])
     if len(depths) == 0:
         return 1.5
     quarter = len(depths) // 4
@@ -268,7 +266,9 @@ def _strip_width(depth: np.ndarray) -> float:
 
 def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
     """Drop blobs too short to be a strand (uint8 mask)."""
-    _, blobs, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
+    _, blobs, stats, _ = cv2.connectedComponentsWithStatsWithAlgorithm(
+        mask.view(np.uint8), 8, cv2.CV_32S, cv2.CCL_GRANA
+    )
     extent = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
     good = extent > MIN_LENGTH * width
     good[0] = False
@@ -278,30 +278,28 @@ def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
 def _depth(labels: np.ndarray) -> np.ndarray:
     """Distance of each strand pixel to the nearest one that is not of its colour [px]."""
     kernel = np.ones((3, 3), np.uint8)
-    values = labels.astype(np.float32)
-    highest = cv2.dilate(values, kernel)
-    lowest = cv2.erode(np.where(labels > 0, values, np.inf), kernel)
+    highest = cv2.dilate(labels, kernel)
+    lowest = cv2.erode(labels - np.uint8(1), kernel) + np.uint8(1)  # none (0) counts as 256
     return _inside((labels > 0) & (highest == lowest))
 
 
-def _without_blocks(labels: np.ndarray, depth: np.ndarray, width: float) -> np.ndarray:
-    """Clear patches of one colour wider than strands are: a clamp, a card, a finger."""
+def _blocks(labels: np.ndarray, depth: np.ndarray, width: float) -> np.ndarray:
+    """Patches of one colour wider than strands are: a clamp, a card, a finger."""
     core = depth > 0.5 * BLOCK * width + 1
     if not core.any():
-        return labels
-    away = _inside(~core)
-    return np.where(away > 0.5 * BLOCK * width + 3, labels, 0).astype(np.int32)
+        return core
+    return (labels > 0) & (_inside(~core) <= 0.5 * BLOCK * width + 3)
 
 
 def _with_enough(
     labels: np.ndarray, colours: np.ndarray, width: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Drop colours of which less is left than the shortest strand covers; number the rest."""
-    area = np.bincount(labels.ravel(), minlength=len(colours) + 1)[1:]
+    area = np.bincount(labels[labels > 0], minlength=len(colours) + 1)[1:]
     kept = area >= MIN_LENGTH * width**2
     if kept.all():
         return labels, colours
-    number = np.concatenate([[0], np.where(kept, np.cumsum(kept), 0)]).astype(np.int32)
+    number = np.concatenate([[0], np.where(kept, np.cumsum(kept), 0)]).astype(np.uint8)
     return number[labels], colours[kept]
 
 
