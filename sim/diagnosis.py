@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ELASTIC, VISCOUS, WEIGHT, LOAD, MOTION, RODS, TINE, RUBBING = (
+ELASTIC, VISCOUS, WEIGHT, LOAD, MOTION, RODS, TINE, RUBBING, DASHPOT = (
     "elasticity",
     "material damping",
     "gravity",
@@ -39,6 +39,7 @@ ELASTIC, VISCOUS, WEIGHT, LOAD, MOTION, RODS, TINE, RUBBING = (
     "contact of rods",
     "contact with a tine",
     "friction",
+    "damping of the tine contact",
 )
 REMEDY = {
     ELASTIC: "start closer to the shape at rest, or mesh finer where it bends sharply",
@@ -49,6 +50,7 @@ REMEDY = {
     RODS: "draw the rods with less overlap, or lower contact.stiffness",
     TINE: "lower the tine's speed, lengthen its insertion, or lower contact.stiffness",
     RUBBING: "lower the coefficients of friction",
+    DASHPOT: "lower damping.tine or safety",
 }
 SHORTER = "leave time_step out, or lower safety"
 
@@ -101,10 +103,9 @@ def _runaway(march: Explicit, node: int) -> tuple[str, str, str, str]:
         why = f"the time step of {march.dt:.3g} s is above the {limit:.3g} s that {mode} allows"
         return effect, mode, why, SHORTER
     if march.dt > sustained:
-        why = (
-            f"{VISCOUS} shortens the longest time step to {sustained:.3g} s, below {march.dt:.3g} s"
-        )
-        return VISCOUS, mode, why, REMEDY[VISCOUS]
+        sink = DASHPOT if march.effects.viscous is None else VISCOUS
+        why = f"{sink} shortens the longest time step to {sustained:.3g} s, below {march.dt:.3g} s"
+        return sink, mode, why, REMEDY[sink]
     effect = max(forces, key=forces.__getitem__)
     why = f"the largest force there is that of {effect}, {forces[effect]:.3g} N"
     if effect == ELASTIC and (driver := _driver(march)) is not None:
@@ -136,7 +137,7 @@ def _has_neighbours(march: Explicit, node: int) -> bool:
 
 def _local_limit(march: Explicit, node: int, near: bool) -> tuple[str, float, float]:
     """Return the stiffest mode beside a node and the stability limit there, without and with
-    material damping [s].
+    damping [s].
     """
     effects = march.effects
     touched = effects.contact or effects.tines
@@ -147,7 +148,12 @@ def _local_limit(march: Explicit, node: int, near: bool) -> tuple[str, float, fl
     worst = int(np.argmax(total))
     limit = float(1 / np.sqrt(total[worst]))
     mode = max(parts, key=lambda name: float(parts[name][worst]))
-    return mode, limit, limit * timestep.damped(effects.viscous, limit)
+    sinks = effects.viscous, limit, _tine_viscous(effects), float(parts[SPRING][worst])
+    return mode, limit, limit * float(timestep.damped(*sinks))
+
+
+def _tine_viscous(effects: Effects) -> float | None:
+    return None if effects.tines is None else effects.tines.viscous
 
 
 def by_effect(march: Explicit) -> Iterator[tuple[str, Array]]:
@@ -166,6 +172,8 @@ def by_effect(march: Explicit) -> Iterator[tuple[str, Array]]:
         yield name, force
     if effects.friction is not None or effects.tine_friction is not None:
         yield RUBBING, outer  # what is left
+    elif _tine_viscous(effects) is not None:
+        yield DASHPOT, outer
 
 
 def internal(state: State) -> Array:
@@ -199,7 +207,8 @@ def _outer(then: State, effects: Effects, time: float, dt: float) -> Iterator[tu
     if effects.tines is not None:
         clear_loads(buf, n)
         place(effects.tines, time)
-        tine_forces(buf, n, dt, effects.tines, _smooth(effects.tine_friction))
+        undamped = effects.tines._replace(viscous=None if _tine_viscous(effects) is None else 0.0)
+        tine_forces(buf, n, dt, undamped, _smooth(effects.tine_friction))
         yield TINE, then.rows("F0 F1 F2")
 
 

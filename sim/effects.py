@@ -45,6 +45,13 @@ def viscous(scene: Scene) -> float | None:
     return scene.damping.material
 
 
+def tine_viscous(scene: Scene) -> float | None:
+    """Return the Kelvin-Voigt time of the contact with tines [s], if that damps."""
+    if scene.damping is None or scene.damping.tine == 0 or not scene.tines:
+        return None
+    return scene.damping.tine
+
+
 def friction(scene: Scene) -> contact_kernel.Friction | None:
     """Return the coefficients between rods, if any."""
     if scene.friction is None:
@@ -109,7 +116,7 @@ def tines(scene: Scene, state: State) -> tine_kernel.Tines | None:
     slip = np.zeros((m, state.n if scene.friction else 1, 3))
     return tine_kernel.Tines(
         line_stiffness, geometry, np.array([_program(t) for t in scene.tines]),
-        np.zeros((m, 7)), np.zeros((m, 3)), np.zeros(1), slip,
+        np.zeros((m, 7)), np.zeros((m, 3)), np.zeros(1), slip, tine_viscous(scene),
     )  # fmt: skip
 
 

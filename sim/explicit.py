@@ -36,7 +36,10 @@ class Explicit:
         self.scene = scene
         self.state = build(scene)
         self.limit = timestep.stable_step(
-            self.state, effects.stiffness(scene), effects.viscous(scene)
+            self.state,
+            effects.stiffness(scene),
+            effects.viscous(scene),
+            effects.tine_viscous(scene),
         )
         self.dt = timestep.choose_step(scene, self.limit) if dt is None else dt
         self.steps = 0

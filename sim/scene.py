@@ -163,15 +163,18 @@ class Friction(Part):
 
 
 class Damping(Part):
-    """What takes energy out: `drag` [1/s] of all velocities, `material` [s] of all strains.
+    """What takes energy out: `drag` [1/s] of velocities, `material` [s] of strains, `tine` [s].
 
     `material` is the Kelvin-Voigt time: stress = modulus (strain + material strain rate). A motion
     of angular frequency w is damped by w material/2 of critical, so a time near a step of the march
-    drains the fast modes that sliding contact feeds and leaves slow bending alone.
+    drains the fast modes that sliding contact feeds and leaves slow bending alone. `tine` is that
+    of the contact with tines, of line stiffness k: bouncing there is damped by
+    tine/2 sqrt(k/(rho A)) of critical, 0.2 of which ends chatter under friction.
     """
 
     drag: NotNegative = 0.0
     material: NotNegative = 0.0
+    tine: NotNegative = 0.0
 
 
 class Tine(Part):

@@ -1,7 +1,5 @@
 """The largest stable time step of the explicit march, from the scene's fastest modes."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,7 +12,10 @@ SHEAR, AXIAL, BENDING, SPRING = "shear rotation", "axial wave", "bending", "cont
 
 
 def stable_step(
-    state: State, stiffness: float | None = None, viscous: float | None = None
+    state: State,
+    stiffness: float | None = None,
+    viscous: float | None = None,
+    tine: float | None = None,
 ) -> float:
     """Return the stability limit of position Verlet for these rods [s].
 
@@ -24,7 +25,8 @@ def stable_step(
 
     shear rotation, the shorter of axial and bending waves of the mesh, and a contact of line
     stiffness k on either side (all generalised to the inertia in use). Kelvin-Voigt damping of time
-    T shortens it: with z = T/dt the damping of that mode, dt <- dt (sqrt(1 + z^2) - z).
+    T shortens it: with z = T/dt the damping of that mode, dt <- dt (sqrt(1 + z^2) - z). That of the
+    contact with tines, of time T', adds T' dt k/(2 rho A) to z: an element between two of them.
 
     Parameters
     ----------
@@ -34,9 +36,14 @@ def stable_step(
         Line stiffness k of contact [N/m^2].
     viscous : float or None
         Kelvin-Voigt time T [s].
+    tine : float or None
+        Kelvin-Voigt time T' of the contact with tines [s].
     """
-    dt = float(1 / np.sqrt(np.max(together(modes(state, stiffness)))))
-    return dt * damped(viscous, dt)
+    parts = modes(state, stiffness)
+    total = together(parts)
+    real = total > 0  # ghosts are not
+    limits = 1 / np.sqrt(total[real])
+    return float(np.min(limits * damped(viscous, limits, tine, parts[SPRING][real])))
 
 
 def modes(state: State, stiffness: float | None = None) -> dict[str, Array]:
@@ -64,10 +71,15 @@ def together(parts: dict[str, Array]) -> Array:
     return parts[SHEAR] + np.maximum(parts[AXIAL], parts[BENDING]) + parts[SPRING]
 
 
-def damped(viscous: float | None, dt: float) -> float:
-    """Return the factor by which a Kelvin-Voigt time [s] shortens a stability limit dt [s]."""
-    z = (viscous or 0.0) / dt
-    return math.sqrt(1 + z * z) - z
+def damped(
+    viscous: float | None, dt: Array | float, tine: float | None, spring: Array | float
+) -> Array | float:
+    """Return the factor by which Kelvin-Voigt times [s] shorten stability limits dt [s].
+
+    `spring` is what a contact adds to 1/dt^2 [1/s^2].
+    """
+    z = (viscous or 0.0) / dt + 0.5 * (tine or 0.0) * spring * dt
+    return (1 + z * z) ** 0.5 - z
 
 
 def choose_step(scene: Scene, limit: float) -> float:

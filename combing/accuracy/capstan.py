@@ -30,8 +30,9 @@ RADIUS = THIN * TINE
 PATH = TINE + RADIUS  # radius of the wrapped centreline [m]
 SOFT = Material(E=1e8, nu=0.4, density=1000.0)
 STRAIN = 1e-3  # of the strand under the dead load
-# Friction feeds vibrations of a strand that is held by contact alone; with less drag it chatters.
-DRAG = 2000.0  # 1/s
+DRAG = 2000.0  # 1/s, to let the strand settle soon
+# Friction feeds vibrations of a strand that is held by contact alone: bouncing needs a sink.
+BOUNCE = 0.2  # of critical
 RAMP = 0.01  # time over which load and then speed rise [s]
 SLIDE = 5e-4  # shortest sliding before and during the measurement [m]
 
@@ -95,11 +96,16 @@ class Capstan:
             duration=self.settling + self.span / self.speed,
             contact=Contact(stiffness=self.stiffness * SOFT.E),
             friction=Friction(forward=self.friction, backward=self.friction),
-            damping=Damping(drag=DRAG),
+            damping=Damping(drag=DRAG, tine=self.sink()),
             tines=[tine],
             rotary_inertia="element",
             safety=self.safety,
         )
+
+    def sink(self) -> float:
+        """Return the Kelvin-Voigt time of the contact that damps bouncing by BOUNCE [s]."""
+        line_density = SOFT.density * math.pi * RADIUS**2
+        return 2 * BOUNCE * math.sqrt(line_density / (self.stiffness * SOFT.E))
 
     def path(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return nodes (n, 2) [m] from root to tip, and the unit vectors out of both ends."""

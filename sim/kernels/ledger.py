@@ -11,11 +11,11 @@ from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.rod import kick, logarithm, strain_rate, turning_rate
 from sim.kernels.tine import Tines, tine_interval
 from sim.kernels.touch import touching_loads
-from sim.kernels.vectors import along, at, dot, minus, point
+from sim.kernels.vectors import along, at, dot, minus
 
 
 class Ledger(NamedTuple):
-    """Energy taken so far by drag, material and friction [J], (1,) each, and room to book it.
+    """Energy taken so far by drag, material and contact [J], (1,) each, and room to book it.
 
     `before`, `after`, `loads`, `rubbing` (6, n): velocities and spins on either side of a kick,
     forces and couples without friction and of friction alone.
@@ -32,7 +32,7 @@ class Ledger(NamedTuple):
 
 @kernel
 def touch_and_book(buf, n, time, dt, contact, friction, tines, tine_friction, ledger):
-    """Add all that touches, and tell the loads of friction apart by doing it without them first."""
+    """Add all that touches; without friction and damping first, to tell what these two take."""
     copy_rows(buf, n, F0, C0, ledger.loads)
     smooth = without_records(tines)
     touching_loads(buf, n, time, dt, contact, None, smooth, None)
@@ -42,29 +42,34 @@ def touch_and_book(buf, n, time, dt, contact, friction, tines, tine_friction, le
     touching_loads(buf, n, time, dt, contact, friction, tines, tine_friction)
     copy_rows(buf, n, F0, C0, ledger.loads)
     ledger.rubbing[:] = ledger.loads - ledger.rubbing
-    if tines is not None:
-        dragged = tines.load - before - smooth.load  # friction on the tines, which carry it along
-        for m in range(tines.motion.shape[0]):
-            drive = dot(point(dragged, m), point(tines.motion, m)) * tines.now[m, 1]
-            ledger.friction[0] -= dt * drive
+    if tines is not None:  # what they do against friction and damping is lost as well
+        ledger.friction[0] += tines.work[0] - before - smooth.work[0]
 
 
 @kernel
 def recorded(tines):
-    """Return a copy of the load summed so far, if there are tines."""
+    """Return the work done by the tines so far, if there are any [J]."""
     if tines is not None:
-        return tines.load.copy()
-    return None
+        return tines.work[0]
+    return 0.0
 
 
 @kernel
 def without_records(tines):
-    """Return the tines with loads and work of their own, if there are any."""
+    """Return the tines with loads and work of their own, undamped, if there are any."""
     if tines is not None:
         return Tines(
             tines.stiffness, tines.geometry, tines.motion, tines.now,
-            np.zeros_like(tines.load), np.zeros(1), tines.slip,
+            np.zeros_like(tines.load), np.zeros(1), tines.slip, nil(tines.viscous),
         )  # fmt: skip
+    return None
+
+
+@kernel
+def nil(viscous):
+    """Return zero for a number, None for None: of the same type, but without effect."""
+    if viscous is not None:
+        return 0.0
     return None
 
 

@@ -9,6 +9,7 @@ from sim.kernels.compiled import formula, kernel
 from sim.kernels.contact import clip, near_line, press, rubbing_force, surface_velocity
 from sim.kernels.ends import smooth
 from sim.kernels.layout import *  # noqa: F403
+from sim.kernels.overlap import GAUSS
 from sim.kernels.vectors import along, at, cross, dot, minus, point, push, to_body
 
 
@@ -20,7 +21,7 @@ class Tines(NamedTuple):
     on the way there, dwell [s], speed and ramp on the way back. `now` (m, 7): travel [m], speed
     [m/s], radius [m], midpoint [m], rate of the radius [m/s]; filled every step. `load` (m, 3):
     sum over steps of the force on the tine [N]. `work` (1,): done by all tines so far [J].
-    `slip` (m, n, 3): see friction.
+    `slip` (m, n, 3): see friction. `viscous`: Kelvin-Voigt time of the contact [s], or None.
     """
 
     stiffness: float
@@ -30,6 +31,7 @@ class Tines(NamedTuple):
     load: np.ndarray
     work: np.ndarray
     slip: np.ndarray
+    viscous: float | None
 
 
 @kernel
@@ -132,7 +134,9 @@ def one_tine(buf, a, m, q0, q1, reach, dt, tines, friction):
             tines.slip[m, a, 0] = tines.slip[m, a, 1] = tines.slip[m, a, 2] = 0.0
         return
     line = tines.stiffness * buf[LENGTH + a]
-    force, first_s, _, total, sum_s, sum_t = press(p0, p1, q0, q1, low, high, reach, line)
+    force, first_s, total, sum_s, sum_t = press_tine(
+        buf, a, q0, q1, low, high, reach, line, tines.now[m], tines.motion[m], tines.viscous
+    )
     push(buf, F0, F1, F2, a, minus(force, first_s), 1.0)
     push(buf, F0, F1, F2, a + 1, first_s, 1.0)
     tines.work[0] += dt * total * tines.now[m, 6]  # a growing tine pushes along the normal
@@ -142,6 +146,60 @@ def one_tine(buf, a, m, q0, q1, reach, dt, tines, friction):
         force = along(force, 1.0, f)
     for k in range(3):
         tines.load[m, k] -= force[k]
+
+
+@kernel
+def press_tine(buf, a, q0, q1, low, high, reach, line, now, motion, viscous):
+    """Return force [N], its first moment over s, its sum, and that weighted by s and by t."""
+    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+    if viscous is not None:
+        v0, v1 = at(buf, V0, V1, V2, a), at(buf, V0, V1, V2, a + 1)
+        drive = (now[1] * motion[0], now[1] * motion[1], now[1] * motion[2])
+        return press_damped(
+            p0,
+            p1,
+            q0,
+            q1,
+            minus(v0, drive),
+            minus(v1, drive),
+            now[6],
+            low,
+            high,
+            reach,
+            line,
+            viscous,
+        )
+    force, first_s, _, total, sum_s, sum_t = press(p0, p1, q0, q1, low, high, reach, line)
+    return force, first_s, total, sum_s, sum_t
+
+
+@kernel
+def press_damped(p0, p1, q0, q1, v0, v1, growth, low, high, reach, line, viscous):
+    """Integrate k (overlap + T d(overlap)/dt), which nowhere pulls, over the contact.
+
+    The overlap grows as the segment, its ends moving at v0 and v1 past the axis, comes nearer to
+    it, and as the tine grows [m/s].
+    """
+    w0, dp, u, dv = minus(p0, q0), minus(p1, p0), minus(q1, q0), minus(v1, v0)
+    inverse = 1.0 / (dot(u, u) + 1e-300)
+    force = first_s = (0.0, 0.0, 0.0)
+    total = sum_s = sum_t = 0.0
+    for node, weight in GAUSS:
+        s = low + (high - low) * node
+        w = along(w0, s, dp)
+        t = min(max(dot(w, u) * inverse, 0.0), 1.0)
+        gap = along(w, -t, u)
+        distance = math.sqrt(dot(gap, gap)) + 1e-300
+        rate = growth - dot(along(v0, s, dv), gap) / distance
+        deep = reach - distance
+        size = line * (high - low) * weight * max(deep + viscous * rate, 0.0)
+        size = size if deep > 0.0 else 0.0
+        force = along(force, size / distance, gap)
+        first_s = along(first_s, s * size / distance, gap)
+        total += size
+        sum_s += size * s
+        sum_t += size * t
+    return force, first_s, total, sum_s, sum_t
 
 
 @kernel

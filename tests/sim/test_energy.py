@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import sim
+from sim.effects import SOFTNESS
 from sim.energy import books, elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels.ledger import contact_energy, tine_energy
@@ -43,18 +44,25 @@ def largest_imbalance(scene, checks):
 
 
 @pytest.mark.parametrize(
-    ("turns", "friction"),
+    ("turns", "friction", "bounce"),
     [
-        (1.5, 0.3),
-        pytest.param(8, 0.0, marks=pytest.mark.slow),
-        pytest.param(8, 0.3, marks=pytest.mark.slow),
+        (1.5, 0.3, 0.2),
+        pytest.param(8, 0.0, 0.0, marks=pytest.mark.slow),
+        pytest.param(8, 0.3, 0.0, marks=pytest.mark.slow),
+        pytest.param(8, 0.3, 0.2, marks=pytest.mark.slow),
     ],
 )
-def test_ledger_closes_over_a_combing(turns, friction):
+def test_ledger_closes_over_a_combing(turns, friction, bounce):
+    """`bounce`: damping of the contact with the tine, of critical."""
     scene = sim.double_helix(
         pi1=18, turns=turns, friction=friction, elements_per_pitch=10, speed=0.4
     )
-    error, last = largest_imbalance(with_ledger(scene, gravity=(0, 0, -9.81)), 10)
+    rod, stiffness = scene.rods[0], SOFTNESS * scene.rods[0].material.E
+    line_density = rod.material.density * math.pi * rod.radius**2
+    sink = 2 * bounce * math.sqrt(line_density / stiffness)
+    damping = scene.damping.model_copy(update={"tine": sink})
+    scene = with_ledger(scene, gravity=(0, 0, -9.81), damping=damping)
+    error, last = largest_imbalance(scene, 10)
     assert error < 0.01
     assert last["work_tines"] > 1e-4
     lost = last["lost_drag"] + last["lost_material"] + last["lost_friction"]

@@ -5,7 +5,7 @@ import pytest
 
 from sim.explicit import Explicit
 from sim.kernels.tine import travelled
-from sim.scene import Damping, End, Friction, Load, Material, Rod, Scene, Straight, Tine
+from sim.scene import Contact, Damping, End, Friction, Load, Material, Rod, Scene, Straight, Tine
 
 DRAG = 30.0
 
@@ -44,6 +44,34 @@ def test_a_travel_shorter_than_the_ramp_still_ends_at_its_place():
     place, speed = travelled(tine.duration, program(tine))
     assert place == pytest.approx(0.001)
     assert speed == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("bounce", [0.1, 0.3, 0.6])
+def test_a_strand_thrown_at_a_damped_tine_comes_back_as_a_dashpot_lets_it(bounce):
+    """Along the tine, so that all of it meets a spring and a dashpot that push and never pull.
+
+    Speeds after and before: exp(-z/sqrt(1 - z^2) atan2(2 z sqrt(1 - z^2), 2 z^2 - 1)), z of
+    critical damping (Schwager & Poeschel, Granular Matter 9, 465 (2007)). The tine takes the
+    change of momentum.
+    """
+    rod = bar(root=(0.0091, 0, 0.05), E=1e7).model_copy(update={"root": End()})
+    k, line_density = 1e5, 1000 * np.pi * 0.004**2
+    tine = Tine(position=(0, 0, 0), axis=(0, 0, 1), length=0.5, radius=0.005, insertion=0)
+    scene = Scene(
+        rods=[rod], duration=1, contact=Contact(stiffness=k), tines=[tine],
+        friction=Friction(forward=0.3, backward=0.3),
+        damping=Damping(drag=1e-9, tine=2 * bounce * np.sqrt(line_density / k)),
+    )  # fmt: skip
+    march = Explicit(scene)
+    at = march.state.nodes(0)
+    march.state.row("V0")[at] = -0.5
+    march.advance(int(4 * np.pi * np.sqrt(line_density / k) / march.dt))
+    root = np.sqrt(1 - bounce**2)
+    kept = np.exp(-bounce / root * np.arctan2(2 * bounce * root, 2 * bounce**2 - 1))
+    after = march.state.row("V0")[at]
+    np.testing.assert_allclose(after, 0.5 * kept, rtol=0.01)
+    gained = np.sum(march.state.row("MASS")[at] * (after + 0.5))
+    assert march.take_load()[0, 0] * march.dt == pytest.approx(-gained, rel=1e-9)
 
 
 def test_two_tines_of_a_comb_feel_what_each_would_feel_alone():
