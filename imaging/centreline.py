@@ -16,6 +16,7 @@ FINEST = 0.35  # px between samples; a picture holds no more
 BEYOND = 0.75  # px beyond an edge where the background must show, or else the edge is hidden
 SEARCH = 0.8  # strand widths; how far a rough centreline may be from what is seen of its strand
 SHORTEST_WAVE = 4.0  # strand widths; shorter wiggles are taken for noise
+NONE = np.int16(2**14)  # stands for no sample: more than there are across a strand
 # Calibrated on rendered curls (shading, highlight, blur, uneven light):
 SHADING_SD = 0.018  # strand widths; both edges seen, moved by shading and highlight
 ONE_EDGE_SD = 0.07  # strand widths more, where an edge is hidden
@@ -65,55 +66,72 @@ def edges(
     """
     step = max(width / SAMPLES, FINEST)
     reach = int(np.ceil(1.5 * width / step))
-    across = step * np.arange(-reach, reach + 1)
-    at = line[:, None] + across[None, :, None] * normals(line)[:, None]
-    profile = sample(own, at)
-    other = sample(strand, at) - profile
+    across = step * np.arange(-reach, reach + 1)[:, None]
+    x, y = line.T
+    along_x, along_y = normals(line).T
+    profile = _looked_up(own, x + across * along_x, y + across * along_y)
     middle = _nearest_inside(profile, reach, SEARCH * width / step)
     beyond = int(np.ceil(BEYOND / step))
-    high = _edge(profile, other, middle, beyond)
-    low = _edge(profile, other, middle, -beyond)
-    return (low - reach) * step, (high - reach) * step
+    found = []
+    for way in (-1, 1):
+        first = _first_outside(profile, middle, way)
+        behind = (np.maximum(first, 0) + way * beyond).clip(0, 2 * reach)
+        far = across[behind, 0]
+        shown = _looked_up(strand, (x + far * along_x)[None], (y + far * along_y)[None])[0]
+        hidden = shown - profile[behind, np.arange(len(line))] > 0.3
+        place = (_half_way(profile, first, way) - reach) * step
+        found.append(np.where((first >= 0) & ~hidden, place, np.nan))
+    return found[0], found[1]
 
 
 def sample(field: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Return bilinear values (n, m) or (n, m, 3) of a picture at points (n, m, 2), 0 outside."""
-    points = at.astype(np.float32)
     # cv2.remap takes pictures of at most 32767 rows
     blocks = [
-        cv2.remap(field, block[..., 0], block[..., 1], cv2.INTER_LINEAR)
-        for block in np.array_split(points, len(points) // 30000 + 1)
+        _looked_up(field, block[..., 0], block[..., 1])
+        for block in np.array_split(at, len(at) // 30000 + 1)
     ]
     return np.concatenate(blocks)
 
 
+def _looked_up(field: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Bilinear values of a picture at points (n, m), 0 outside."""
+    parts = len(x[0]) // 30000 + 1
+    blocks = [
+        cv2.remap(field, u.astype(np.float32), v.astype(np.float32), cv2.INTER_LINEAR)
+        for u, v in zip(np.array_split(x, parts, 1), np.array_split(y, parts, 1), strict=True)
+    ]
+    return blocks[0] if parts == 1 else np.concatenate(blocks, axis=1)
+
+
 def _nearest_inside(profile: np.ndarray, reach: int, far: float) -> np.ndarray:
-    """Index of the sample above 0.5 nearest to the middle; -1 when none within `far`."""
-    distance = np.abs(np.arange(profile.shape[1]) - reach)
-    cost = np.where(profile >= 0.5, distance, 10**6)
-    nearest = cost.argmin(axis=1)
-    found = cost[np.arange(len(profile)), nearest] <= far
-    return np.where(found, nearest, -1)
+    """Index (n,) of the sample above 0.5 nearest to the middle; -1 when none within `far`."""
+    off = np.arange(-reach, reach + 1, dtype=np.int16)[:, None]
+    rank = 2 * np.abs(off) + (off > 0)  # from the middle outwards
+    nearest = np.where(profile >= 0.5, rank, NONE).min(axis=0)
+    distance = nearest // 2
+    index = reach + np.where(nearest % 2, distance, -distance)
+    return np.where(distance <= far, index, -1)
 
 
-def _edge(profile: np.ndarray, other: np.ndarray, middle: np.ndarray, ahead: int) -> np.ndarray:
-    """Index (fractional) where the profile falls through 0.5 going the way of `ahead`.
+def _first_outside(profile: np.ndarray, middle: np.ndarray, way: int) -> np.ndarray:
+    """Index (n,) of the first sample below 0.5 from the middle on, up or down; -1 when none."""
+    index = np.arange(len(profile), dtype=np.int16)[:, None]
+    middle = middle.astype(np.int16)
+    if way > 0:
+        first = np.where((profile < 0.5) & (index > middle), index, NONE).min(axis=0)
+    else:
+        first = np.where((profile < 0.5) & (index < middle), index, np.int16(-1)).max(axis=0)
+    return np.where((middle >= 0) & (first < NONE), first, -1).astype(int)
 
-    NaN where another strand is seen `ahead` samples beyond.
-    """
-    way = int(np.sign(ahead))
-    rows = np.arange(len(profile))
-    index = np.arange(profile.shape[1])
-    beyond = (index - middle[:, None]) * way > 0
-    outside = beyond & (profile < 0.5)
-    first = np.where(outside.any(axis=1), (outside[:, ::way].argmax(axis=1)), -1)
-    first = np.where((way < 0) & (first >= 0), profile.shape[1] - 1 - first, first)
-    good = (first >= 0) & (middle >= 0)
-    first = np.where(good, first, 1).clip(1, profile.shape[1] - 2)
-    inner, outer = profile[rows, first - way], profile[rows, first]
+
+def _half_way(profile: np.ndarray, first: np.ndarray, way: int) -> np.ndarray:
+    """Index (fractional) where the profile falls through 0.5 before the sample `first`."""
+    first = first.clip(1, len(profile) - 2)
+    column = np.arange(len(first))
+    inner, outer = profile[first - way, column], profile[first, column]
     fraction = np.divide(inner - 0.5, inner - outer, out=np.zeros_like(inner), where=inner > outer)
-    hidden = other[rows, (first + ahead).clip(0, profile.shape[1] - 1)] > 0.3
-    return np.where(good & ~hidden, first - way + way * fraction, np.nan)
+    return first - way + way * fraction
 
 
 class Centreline(NamedTuple):
