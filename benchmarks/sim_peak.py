@@ -19,8 +19,9 @@ import numpy as np
 
 from sim.explicit import Explicit
 from sim.kernels.compiled import kernel
-from sim.kernels.overlap import BATCH, WORK, press_batch
-from sim.scene import Helix, Material, Rod, Scene
+from sim.kernels.contact import press_run
+from sim.kernels.runs import LENGTH_OF, whole
+from sim.scene import Contact, Helix, Material, Rod, Scene, Straight
 
 LANES = 128
 # Per element and step, in the order of `march`: additions, multiplications, quotients and roots.
@@ -46,7 +47,7 @@ WORDS = {
     "clearing of loads": 6,
     "speed": 3,
 }
-PRESS = 237  # operations of a pair in `press_batch`: its vector loop, counted in machine code
+PRESS = 272  # operations of a pair in `press_run`: its vector loop, counted in machine code
 
 
 @numba.njit(fastmath={"contract"})  # with more freedom the compiler sums the series in advance
@@ -87,6 +88,24 @@ def bare_rods():
     return Explicit(Scene(rods=rods, duration=1.0))
 
 
+def side_by_side():
+    """Return two strands of 65 elements that press on each other: one run of 64 pairs, and one."""
+    rods = [
+        Rod(shape=Straight(root=(x, 0.0, 0.0), length=65e-3), radius=1e-3, elements=65,
+            material=Material(E=2e8, density=1140)) for x in (0.0, 1.9e-3)
+    ]  # fmt: skip
+    march = Explicit(Scene(rods=rods, duration=1.0, contact=Contact()))
+    march.advance(1)
+    return march
+
+
+@kernel
+def press_often(buf, contact, rounds):
+    """Press the first run over and over."""
+    for _ in range(rounds):
+        press_run(buf, contact, 0)
+
+
 def main():
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in ("numba", "numpy"))
     print(f"{platform.machine()}, Python {platform.python_version()}, {versions}; best (median)\n")
@@ -103,9 +122,10 @@ def main():
     rate = fastest(lambda: march.advance(200), 200 * 500)
     operations, size = sum(OPERATIONS.values()), 8 * sum(WORDS.values())
     report("bare rods, 2 x 250, an element", rate[0], operations, size, flops[0], cache[0])
-    work = np.random.default_rng(0).normal(size=WORK)
-    pairs = fastest(lambda: [press_batch(work, BATCH) for _ in range(200)], 200 * BATCH)
-    report("contact integral, a pair", pairs[0], PRESS, 8 * 32, flops[0], cache[0])
+    march = side_by_side()
+    length = march.contact.runs[LENGTH_OF, 0]
+    pairs = fastest(lambda: press_often(march.state.buf, march.contact, 1000), 1000 * whole(length))
+    report("contact integral, a pair", pairs[0], PRESS, 8 * 39, flops[0], cache[0])
 
 
 def report(name, rate, operations, size, flops, cache):

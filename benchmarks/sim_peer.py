@@ -128,9 +128,10 @@ def touching(march):
     """Count the pairs of elements whose contact integral is not empty now."""
     if march.contact is None:
         return 0
-    start, partner = march.contact.start, march.contact.partner
-    ends = (contact_interval.py_func(march.state.buf, a, partner[k], 2 * RADIUS)
-            for a in range(march.state.n) for k in range(start[a], start[a + 1]))  # fmt: skip
+    ends = (
+        contact_interval.py_func(march.state.buf, a, b, 2 * RADIUS)
+        for a, b in march.contact.pairs.T
+    )
     return sum(low < high for low, high in ends)
 
 

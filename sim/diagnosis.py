@@ -130,9 +130,7 @@ def _has_neighbours(march: Explicit, node: int) -> bool:
     contact = march.effects.contact
     if contact is None:
         return False
-    first, last = contact.start[node - 1], contact.start[node + 1]
-    listed = contact.partner[: contact.start[-1]]
-    return bool(last > first or np.isin(listed, (node - 1, node)).any())
+    return bool(np.isin(contact.pairs, (node - 1, node)).any())
 
 
 def _local_limit(march: Explicit, node: int, near: bool) -> tuple[str, float, float]:

@@ -86,12 +86,11 @@ def contact(scene: Scene, state: State) -> contact_kernel.Contact | None:
         rod,
         arc,
         gap,
-        np.zeros(state.n + 1, np.int64),
-        np.zeros(8 * state.n, np.int64),
-        np.zeros((8 * state.n, 3)),
-        np.zeros(state.n, np.int64),
+        np.zeros((2, 0), np.int64),
+        np.zeros((3, 0)),
+        np.zeros((4, 1), np.int64),
+        np.zeros((4, 1), np.int64),
         np.zeros(3),
-        np.zeros((3, contact_kernel.BATCH), np.int64),
         np.zeros(contact_kernel.WORK),
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim import effects, timestep
 from sim.diagnosis import unstable
@@ -10,6 +11,7 @@ from sim.errors import SceneError
 from sim.kernels import march as march_kernel
 from sim.kernels import neighbours
 from sim.kernels.contact import Contact, Friction
+from sim.kernels.runs import fill_runs
 from sim.kernels.tine import Tines
 from sim.passing import NONE, deep_pairs, newcomer, passing_through
 from sim.scene import Scene
@@ -92,26 +94,41 @@ class Explicit:
             raise passing_through(self, *pair)
 
     def _rebuild(self) -> None:
-        """List the pairs that may touch, making room when there are more than before."""
-        old, friction = self.effects.contact, self.effects.friction
+        """List the pairs that may touch, and hand their slip on."""
+        old = self.effects.contact
         assert old is not None
-        start, partner = np.zeros_like(old.start), np.zeros_like(old.partner)
-        count = self._build(start, partner)
-        if count > partner.size:
-            partner = np.zeros(2 * count, np.int64)
-            self._build(start, partner)
-        slip = np.zeros((partner.size if friction is not None else 1, 3))
-        if friction is not None:
-            neighbours.carry_slip(
-                self.state.n, old.start, old.partner, old.slip, start, partner, slip
-            )
-        contact = old._replace(start=start, partner=partner, slip=slip)
+        pairs = self._pairs(old)
+        count = pairs.shape[1]
+        listed, runs = np.zeros((2, 4, count + 1), np.int64)
+        fill_runs(pairs, listed)
+        contact = old._replace(pairs=pairs, listed=listed, runs=runs)
+        if self.effects.friction is not None:
+            contact = contact._replace(slip=self._slip(old, pairs))
         self.effects = self.effects._replace(contact=contact)
 
-    def _build(self, start: np.ndarray, partner: np.ndarray) -> int:
+    def _pairs(self, contact: Contact) -> NDArray[np.int64]:
+        """Return the pairs that may touch, (2, m), in the order that makes the longest runs."""
+        pairs = np.zeros((2, 8 * self.state.n), np.int64)
+        count = self._list(contact, pairs)
+        if count > pairs.shape[1]:
+            pairs = np.zeros((2, count), np.int64)
+            self._list(contact, pairs)
+        a, b = pairs[:, :count]
+        order = np.lexsort((a, b - a, contact.rod[b], contact.rod[a]))
+        return np.take(pairs, order, axis=1)
+
+    def _list(self, contact: Contact, pairs: NDArray[np.int64]) -> int:
         return neighbours.build_list(
-            self.state.buf, self.state.n, self.contact, self._heads, self._following, start, partner
+            self.state.buf, self.state.n, contact, self._heads, self._following, pairs
         )
+
+    def _slip(self, old: Contact, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the elastic slip of the pairs: what it was where they were listed before."""
+        before, now = (self.state.n * each[0] + each[1] for each in (old.pairs, pairs))
+        _, then, here = np.intersect1d(before, now, assume_unique=True, return_indices=True)
+        slip = np.zeros((3, pairs.shape[1]))
+        slip[:, here] = old.slip[:, then]
+        return slip
 
     @property
     def contact(self) -> Contact | None:

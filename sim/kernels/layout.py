@@ -19,7 +19,7 @@ _ELEMENTS = "Q00 Q01 Q02 Q10 Q11 Q12 Q20 Q21 Q22 W0 W1 W2 C0 C1 C2"
 _CONSTANTS = "INV_LENGTH LENGTH SHEAR STRETCH INV_J1 INV_J3 J_RATIO RADIUS"
 _WORK = "N0 N1 N2 T0 T1 T2 E0 E1 E2"
 _VERTICES = "INV_VORONOI BEND TWIST K0 K1 K2 L0 L1 L2 R0 R1 R2"
-_CONTACT = "PREVIOUS NEXT B0 B1 B2 OVERHANG A0 A1 A2 G0 G1 G2"
+_CONTACT = "PREVIOUS NEXT B0 B1 B2 OVERHANG A0 A1 A2 G0 G1 G2 ROAM SWAY"
 _NAMES = " ".join((_NODES, _ELEMENTS, _CONSTANTS, _WORK, _VERTICES, _CONTACT)).split()
 ROWS = len(_NAMES)
 ROW = {name: number for number, name in enumerate(_NAMES)}
@@ -57,10 +57,12 @@ L0, L1, L2 = (PITCH * ROW[name] for name in ("L0", "L1", "L2"))
 R0, R1, R2 = (PITCH * ROW[name] for name in ("R0", "R1", "R2"))
 
 # Contact: which tangents the wedge normal of a node adds up (1 or 0), the normal, how far a rod's
-# end reaches beyond its last node [m], and positions when the neighbour list was built and when the
-# pairs in play were last sieved out of it [m].
+# end reaches beyond its last node [m], positions when the neighbour list was built and when the
+# pairs in play were last sieved out of it, how far a node may move until that is done again, and
+# the most that any node may that an element and its part of space depend on [m].
 PREVIOUS, NEXT = (PITCH * ROW[name] for name in ("PREVIOUS", "NEXT"))
 B0, B1, B2 = (PITCH * ROW[name] for name in ("B0", "B1", "B2"))
 OVERHANG = PITCH * ROW["OVERHANG"]
 A0, A1, A2 = (PITCH * ROW[name] for name in ("A0", "A1", "A2"))
 G0, G1, G2 = (PITCH * ROW[name] for name in ("G0", "G1", "G2"))
+ROAM, SWAY = (PITCH * ROW[name] for name in ("ROAM", "SWAY"))

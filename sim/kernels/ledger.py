@@ -187,16 +187,15 @@ def contact_energy(buf, n, contact):
     """Return the energy stored in the contact of rods [J]."""
     wedges(buf, n)
     total = 0.0
-    for a in range(n):
-        for k in range(contact.start[a], contact.start[a + 1]):
-            b = contact.partner[k]
-            reach = buf[RADIUS + a] + buf[RADIUS + b]
-            low, high = contact_interval(buf, a, b, reach)
-            if low < high:
-                p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
-                q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
-                line = contact.stiffness * buf[LENGTH + a]
-                total += pressed(p0, p1, q0, q1, low, high, reach, line)
+    for k in range(contact.pairs.shape[1]):
+        a, b = contact.pairs[0, k], contact.pairs[1, k]
+        reach = buf[RADIUS + a] + buf[RADIUS + b]
+        low, high = contact_interval(buf, a, b, reach)
+        if low < high:
+            p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+            q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
+            line = contact.stiffness * buf[LENGTH + a]
+            total += pressed(p0, p1, q0, q1, low, high, reach, line)
     return total
 
 

@@ -112,7 +112,7 @@ def record(buf, driven, dt):
 def is_stale(buf, n, contact):
     """Tell whether the neighbour list may miss a contact."""
     if contact is not None:
-        return moved_far(buf, n, A0, A1, A2, 0.5 * contact.skin)
+        return moved_far(buf, n, 0.5 * contact.skin)
     return False
 
 

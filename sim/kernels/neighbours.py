@@ -8,20 +8,35 @@ import math
 
 import numpy as np
 
-from sim.kernels.compiled import kernel
+from sim.kernels.compiled import formula, kernel
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.overlap import interval
+from sim.kernels.runs import LENGTH_OF, bounds, prolong, whole
 from sim.kernels.vectors import along, at, dot, minus
+
+FINEST, COARSEST = 1 / 1024, 1 / 8  # of the skin: how far nodes may move before the next sieving
+SELDOM, OFTEN = 20, 8  # steps between two sievings
+LEAST, MOST = 2.0, 32.0  # steps for which nodes may move on as fast as they are
+FORGETS = 0.9  # from one sieving to the next, how fast a node was
 
 
 @kernel
-def moved_far(buf, n, row0, row1, row2, limit):
-    """Tell whether a node is farther than `limit` from the position stored in three rows."""
+def moved_far(buf, n, limit):
+    """Tell whether a node is farther than `limit` from where the neighbour list was built."""
     far = 0
     for i in range(n):
-        d0, d1 = buf[X0 + i] - buf[row0 + i], buf[X1 + i] - buf[row1 + i]
-        d2 = buf[X2 + i] - buf[row2 + i]
-        far += 1 if d0 * d0 + d1 * d1 + d2 * d2 > limit * limit else 0
+        step = minus(at(buf, X0, X1, X2, i), at(buf, A0, A1, A2, i))
+        far += 1 if dot(step, step) > limit * limit else 0
+    return far > 0
+
+
+@kernel
+def roamed_far(buf, n):
+    """Tell whether a node is farther from the last sieving than was reckoned with."""
+    far = 0
+    for i in range(n):
+        step, limit = minus(at(buf, X0, X1, X2, i), at(buf, G0, G1, G2, i)), buf[ROAM + i]
+        far += 1 if dot(step, step) > limit * limit else 0
     return far > 0
 
 
@@ -103,27 +118,25 @@ def fill_grid(buf, n, contact, edge, heads, following):
 
 
 @kernel
-def build_list(buf, n, contact, heads, following, start, partner):
-    """Fill start and partner with all pairs that may touch and return their number.
+def build_list(buf, n, contact, heads, following, pairs):
+    """Fill `pairs` (2, room) with all that may touch and return their number.
 
-    Nothing is written beyond the room that `partner` has; a larger return value says how much
-    is needed. `heads` has a power of two entries.
+    Nothing is written beyond the room there is; a larger return value says how much is needed.
+    `heads` has a power of two entries.
     """
     edge = longest_reach(buf, n, contact.skin)
     fill_grid(buf, n, contact, edge, heads, following)
     count = 0
     for a in range(n):
-        start[a] = count
         if contact.rod[a] >= 0:
-            count = list_partners(buf, a, contact, edge, heads, following, partner, count)
-    start[n] = count
+            count = list_partners(buf, a, contact, edge, heads, following, pairs, count)
     remember(buf, n, A0, A1, A2)
     buf[G0 : G0 + n] = np.inf  # nobody knows yet which pairs are in play
     return count
 
 
 @kernel
-def list_partners(buf, a, contact, edge, heads, following, partner, count):
+def list_partners(buf, a, contact, edge, heads, following, pairs, count):
     """Append the partners of element a from its cell and the 26 around it."""
     home = cell_of(buf, a, edge)
     for k in range(27):
@@ -133,56 +146,68 @@ def list_partners(buf, a, contact, edge, heads, following, partner, count):
             # Two cells may share a bucket: count an element only in the cell it is in.
             if eligible(contact, a, b) and cell_of(buf, b, edge) == cell:  # noqa: SIM102
                 if may_touch(buf, a, b, contact.skin):
-                    if count < partner.size:
-                        partner[count] = b
+                    if count < pairs.shape[1]:
+                        pairs[0, count], pairs[1, count] = a, b
                     count += 1
             b = following[b]
     return count
 
 
 @kernel
-def carry_slip(n, old_start, old_partner, old_slip, start, partner, slip):
-    """Hand the elastic slip of every pair that is still listed on to the new list."""
-    for a in range(n):
-        for k in range(start[a], start[a + 1]):
-            slip[k, 0] = slip[k, 1] = slip[k, 2] = 0.0
-            for j in range(old_start[a], old_start[a + 1]):
-                if old_partner[j] == partner[k]:
-                    slip[k, 0], slip[k, 1], slip[k, 2] = (
-                        old_slip[j, 0],
-                        old_slip[j, 1],
-                        old_slip[j, 2],
-                    )
-
-
-FINEST, COARSEST = 1 / 64, 1 / 8  # of the skin: how far nodes may move before the next sieving
-SELDOM, OFTEN = 64, 12  # steps between two sievings
-
-
-@kernel
-def keep_in_play(buf, n, contact):
+def keep_in_play(buf, n, dt, contact):
     """Find the pairs in play anew if a node has moved too far since.
 
-    How far that is, ``play[0]``, follows the motion: short while it is slow, so that few pairs are
-    pressed in vain; long while it is fast, so that they are not sieved at every step.
+    How far that is follows its speed, so that few pairs are pressed in vain where nearly all is at
+    rest but the tips, and the steps it is to last follow from how long it did last.
     """
     play = contact.play
     play[1] += 1.0
-    if not moved_far(buf, n, G0, G1, G2, play[0]):
+    if not roamed_far(buf, n):
         return
     wider = 2.0 if play[1] < OFTEN else (0.5 if play[1] > SELDOM else 1.0)
-    play[0] = min(max(wider * play[0], FINEST * contact.skin), COARSEST * contact.skin)
+    play[0] = min(max(wider * play[0], LEAST), MOST)
     play[1] = 0.0
-    shortest, longest = lengths_now(buf, n)
-    turn = 2.0 / max(shortest - play[0], 1e-300)
-    for a in range(n):
-        contact.stop[a] = contact.start[a]
-        for k in range(contact.start[a], contact.start[a + 1]):
-            if is_in_play(buf, a, contact.partner[k], play[0], turn, longest):
-                bring_forward(contact, a, k)
-            elif contact.slip.shape[0] > 1:
-                contact.slip[k, 0] = contact.slip[k, 1] = contact.slip[k, 2] = 0.0
+    let_roam(buf, n, play[0] * dt, FINEST * contact.skin, COARSEST * contact.skin)
+    sieve(buf, n, contact)
     remember(buf, n, G0, G1, G2)
+
+
+@kernel
+def let_roam(buf, n, time, least, most):
+    """Set how far every node may move: as it does in `time`, or nearly as before."""
+    for i in range(n):
+        v = at(buf, V0, V1, V2, i)
+        way = max(time * math.sqrt(dot(v, v)), FORGETS * buf[ROAM + i])
+        buf[ROAM + i] = min(max(way, least), most)
+    for i in range(1, n - 1):
+        own = max(buf[ROAM + i], buf[ROAM + i + 1])
+        buf[SWAY + i] = max(own, max(buf[ROAM + i - 1], buf[ROAM + i + 2]))
+
+
+@kernel
+def sieve(buf, n, contact):
+    """Put the pairs that may touch before a node has moved too far together to runs."""
+    shortest, longest = lengths_now(buf, n)
+    listed, runs, slip, work = contact.listed, contact.runs, contact.slip, contact.work
+    which, last = 0, -1
+    while listed[LENGTH_OF, which] > 0:
+        mark_in_play(buf, listed, which, shortest, longest, work)
+        a, b, number, length = bounds(listed, which)
+        for k in range(length):
+            if work[k] > 0.0:
+                last = prolong(runs, last, a + k, b + k, number + k)
+            elif slip.shape[1] > 0:
+                slip[0, number + k] = slip[1, number + k] = slip[2, number + k] = 0.0
+        which += 1
+    runs[LENGTH_OF, last + 1] = 0
+
+
+@kernel
+def mark_in_play(buf, listed, which, shortest, longest, marks):
+    """Set `marks` to 1 for the pairs of a listed run that are in play, to 0 for the others."""
+    a, b, _, length = bounds(listed, which)
+    for k in range(whole(length)):
+        marks[k] = 1.0 if is_in_play(buf, a + k, b + k, shortest, longest) else 0.0
 
 
 @kernel
@@ -197,15 +222,18 @@ def lengths_now(buf, n):
     return math.sqrt(least), math.sqrt(most)
 
 
-@kernel
-def is_in_play(buf, a, b, play, turn, longest):
-    """Tell whether elements a and b may touch before a node has moved by `play`.
+@formula
+def is_in_play(buf, a, b, shortest, longest):
+    """Tell whether elements a and b may touch before a node has moved too far.
 
-    Meanwhile the unit vectors along elements turn by up to ``turn * play``, the planes at b's ends
-    with them, and a point in contact with b stays within reach + length of either end of b.
+    Meanwhile no node around a or b moves by more than `play`, unit vectors along elements turn by
+    up to ``turn * play``, the planes at b's ends with them, and a point in contact with b stays
+    within reach + length of either end of b.
     """
     p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
     reach = buf[RADIUS + a] + buf[RADIUS + b]
+    play = max(buf[SWAY + a], buf[SWAY + b])
+    turn = 2.0 / max(shortest - play, 1e-300)
     shift = play * turn * (reach + longest + 2.0 * play)  # of a plane for each vector in its normal
     low = 4.0 * play + shift * (1.0 + buf[PREVIOUS + b])
     top = 4.0 * play + shift * (1.0 + buf[NEXT + b + 1])
@@ -213,30 +241,7 @@ def is_in_play(buf, a, b, play, turn, longest):
         minus(p0, q0), minus(at(buf, X0, X1, X2, a + 1), p0),
         minus(at(buf, X0, X1, X2, b + 1), q0),
         at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1),
-        buf[OVERHANG + b] + low, buf[OVERHANG + b + 1] + top, reach + 2.0 * play,
+        buf[OVERHANG + b] + low, buf[OVERHANG + b + 1] + top,
+        reach + buf[SWAY + a] + buf[SWAY + b],
     )  # fmt: skip
     return start < end
-
-
-@kernel
-def bring_forward(contact, a, k):
-    """Put pair k of element a among those in play, which are sorted by partner.
-
-    The order in which forces are summed, and with it their rounding, is then always the same.
-    """
-    j = contact.stop[a]
-    exchange(contact, j, k)
-    contact.stop[a] = j + 1
-    while j > contact.start[a] and contact.partner[j - 1] > contact.partner[j]:
-        exchange(contact, j - 1, j)
-        j -= 1
-
-
-@kernel
-def exchange(contact, j, k):
-    """Let two pairs of a list change places."""
-    partner, slip = contact.partner, contact.slip
-    partner[j], partner[k] = partner[k], partner[j]
-    if slip.shape[0] > 1:
-        for axis in range(3):
-            slip[j, axis], slip[k, axis] = slip[k, axis], slip[j, axis]

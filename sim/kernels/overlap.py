@@ -15,8 +15,8 @@ Nothing here branches: the compiler turns the loop over many pairs into vector i
 
 import math
 
-from sim.kernels.compiled import formula, kernel
-from sim.kernels.vectors import along, at, dot, minus
+from sim.kernels.compiled import formula
+from sim.kernels.vectors import along, dot, minus
 
 # Gauss-Legendre nodes and weights on [0, 1]: exact to degree 5, for a smooth integrand.
 GAUSS = (
@@ -24,22 +24,6 @@ GAUSS = (
     (0.5, 8.0 / 18.0),
     (0.5 + math.sqrt(0.15), 5.0 / 18.0),
 )
-
-BATCH = 64  # pairs that are pressed together
-LANES = 8  # doubles in the widest vector register
-STRIDE = BATCH + 8  # of rows in the work space; no power of two, see `sim.kernels.layout`
-
-# Columns of a batch: start of a seen from that of b, vectors along a and b, normals of the planes
-# at both ends of b and how far b owns beyond them, reach, line = k l0 ...
-OFF0, OFF1, OFF2, DA0, DA1, DA2, DB0, DB1, DB2 = (STRIDE * row for row in range(9))
-LOW0, LOW1, LOW2, TOP0, TOP1, TOP2, BELOW, ABOVE = (STRIDE * row for row in range(9, 17))
-REACH, LINE = (STRIDE * row for row in range(17, 19))
-# ... and what `press` returns, with the spring constant of the whole interval.
-PUSH0, PUSH1, PUSH2, BY_S0, BY_S1, BY_S2, BY_T0, BY_T1, BY_T2 = (
-    STRIDE * row for row in range(19, 28)
-)
-TOTAL, SUM_S, SUM_T, SPRING = (STRIDE * row for row in range(28, 32))
-WORK = STRIDE * 32
 
 
 @formula
@@ -115,27 +99,3 @@ def press(p0, p1, q0, q1, low, high, reach, line):
         sum_s += size * s
         sum_t += size * t
     return force, first_s, first_t, total, sum_s, sum_t
-
-
-@kernel
-def press_batch(work, count):
-    """Integrate the contact of all columns of a batch."""
-    for m in range(count):
-        w, dp, u = (
-            at(work, OFF0, OFF1, OFF2, m),
-            at(work, DA0, DA1, DA2, m),
-            at(work, DB0, DB1, DB2, m),
-        )
-        n0, n1 = at(work, LOW0, LOW1, LOW2, m), at(work, TOP0, TOP1, TOP2, m)
-        reach, line = work[REACH + m], work[LINE + m]
-        low, high = interval(w, dp, u, n0, n1, work[BELOW + m], work[ABOVE + m], reach)
-        touches = low < high
-        low, high = low if touches else 0.0, high if touches else 0.0
-        force, by_s, by_t, total, sum_s, sum_t = press(
-            w, along(w, 1.0, dp), (0.0, 0.0, 0.0), u, low, high, reach, line
-        )
-        work[PUSH0 + m], work[PUSH1 + m], work[PUSH2 + m] = force
-        work[BY_S0 + m], work[BY_S1 + m], work[BY_S2 + m] = by_s
-        work[BY_T0 + m], work[BY_T1 + m], work[BY_T2 + m] = by_t
-        work[TOTAL + m], work[SUM_S + m], work[SUM_T + m] = total, sum_s, sum_t
-        work[SPRING + m] = line * (high - low)

@@ -67,12 +67,11 @@ def is_tip(buf, a, s):
 def deep_pairs(buf, n, contact, found):
     """Fill `found` (m, 2) with the listed pairs nearer than DEEP of touching, return how many."""
     count = 0
-    for a in range(n):
-        for k in range(contact.start[a], contact.start[a + 1]):
-            b = contact.partner[k]
-            if nearness(buf, a, b, contact) < DEEP * DEEP and count < found.shape[0]:
-                found[count, 0], found[count, 1] = a, b
-                count += 1
+    for k in range(contact.pairs.shape[1]):
+        a, b = contact.pairs[0, k], contact.pairs[1, k]
+        if nearness(buf, a, b, contact) < DEEP * DEEP and count < found.shape[0]:
+            found[count, 0], found[count, 1] = a, b
+            count += 1
     return count
 
 
@@ -81,19 +80,18 @@ def load_around(buf, n, contact, a, b, arc):
     """Return the force between the rods of a and b within a length `arc` of both [N]."""
     wedges(buf, n)
     total = (0.0, 0.0, 0.0)
-    for i in range(n):
-        for k in range(contact.start[i], contact.start[i + 1]):
-            j = contact.partner[k]
-            same = contact.rod[i] == contact.rod[a] and contact.rod[j] == contact.rod[b]
-            off = max(abs(contact.arc[i] - contact.arc[a]), abs(contact.arc[j] - contact.arc[b]))
-            reach = buf[RADIUS + i] + buf[RADIUS + j]
-            if same and off < arc + reach:
-                low, high = contact_interval(buf, i, j, reach)
-                if low < high:
-                    force, _, _, _, _, _ = press(
-                        at(buf, X0, X1, X2, i), at(buf, X0, X1, X2, i + 1),
-                        at(buf, X0, X1, X2, j), at(buf, X0, X1, X2, j + 1),
-                        low, high, reach, contact.stiffness * buf[LENGTH + i],
-                    )  # fmt: skip
-                    total = along(total, 1.0, force)
+    for k in range(contact.pairs.shape[1]):
+        i, j = contact.pairs[0, k], contact.pairs[1, k]
+        same = contact.rod[i] == contact.rod[a] and contact.rod[j] == contact.rod[b]
+        off = max(abs(contact.arc[i] - contact.arc[a]), abs(contact.arc[j] - contact.arc[b]))
+        reach = buf[RADIUS + i] + buf[RADIUS + j]
+        if same and off < arc + reach:
+            low, high = contact_interval(buf, i, j, reach)
+            if low < high:
+                force, _, _, _, _, _ = press(
+                    at(buf, X0, X1, X2, i), at(buf, X0, X1, X2, i + 1),
+                    at(buf, X0, X1, X2, j), at(buf, X0, X1, X2, j + 1),
+                    low, high, reach, contact.stiffness * buf[LENGTH + i],
+                )  # fmt: skip
+                total = along(total, 1.0, force)
     return math.sqrt(dot(total, total))

@@ -17,6 +17,12 @@ def point(table, i):
 
 
 @formula
+def put(buf, row0, row1, row2, i, a):
+    """Store the vector a at index i of three rows."""
+    buf[row0 + i], buf[row1 + i], buf[row2 + i] = a
+
+
+@formula
 def push(buf, row0, row1, row2, i, a, factor):
     """Add factor * a to the vector stored at index i of three rows."""
     buf[row0 + i] += factor * a[0]

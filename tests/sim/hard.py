@@ -118,10 +118,9 @@ def contact_potential(march, samples=64):
     Written with sums over many samples, apart from the kernels' clipped Gauss points.
     """
     contact, state = march.contact, march.state
-    if contact is None or contact.start[-1] == 0:
+    if contact is None or contact.pairs.size == 0:
         return 0.0
-    a = np.repeat(np.arange(state.n), np.diff(contact.start))
-    b = contact.partner[: contact.start[-1]]
+    a, b = contact.pairs
     x, radius = state.rows("X0 X1 X2").T, state.row("RADIUS")
     s = (np.arange(samples) + 0.5)[:, None, None] / samples
     points = x[a] + s * (x[a + 1] - x[a])

@@ -9,7 +9,7 @@ from sim import effects
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import contact as kernels
-from sim.kernels import overlap
+from sim.kernels import overlap, runs
 from sim.scene import Contact, End, Friction, Material, Points, Rod, Scene, Straight, Tine
 from sim.state import build
 
@@ -189,14 +189,9 @@ def test_neighbour_list_holds_every_pair_in_reach_of_random_tangles(rng):
             walk = np.cumsum(rng.normal(0, 1, (15, 3)), axis=0)
             rods.append(strand(walk * 6e-4 - walk.mean(axis=0) * 6e-4))
         march = Explicit(scene(*rods))
-        start, partner = march.contact.start, march.contact.partner
-        listed = {
-            (a, int(partner[k]))
-            for a in range(march.state.n)
-            for k in range(start[a], start[a + 1])
-        }
+        listed = {(int(a), int(b)) for a, b in march.contact.pairs.T}
         assert brute_force_pairs(march) <= listed
-        assert len(listed) == start[-1]  # none twice
+        assert len(listed) == march.contact.pairs.shape[1]  # none twice
 
 
 def test_no_contact_is_missed_while_strands_move(rng):
@@ -210,12 +205,7 @@ def test_no_contact_is_missed_while_strands_move(rng):
         march.state.row("V2")[march.state.nodes(k)] = -2.0 * k
     for _ in range(20):
         march.advance(200)
-        start, partner = march.contact.start, march.contact.partner
-        listed = {
-            (a, int(partner[k]))
-            for a in range(march.state.n)
-            for k in range(start[a], start[a + 1])
-        }
+        listed = {(int(a), int(b)) for a, b in march.contact.pairs.T}
         assert brute_force_pairs(march) <= listed
 
 
@@ -224,19 +214,24 @@ def forces_pair_by_pair(march):
     state, contact = march.state, march.contact
     kernels.wedges(state.buf, state.n)
     x, force = state.rows("X0 X1 X2").T, np.zeros((state.n, 3))
-    for a in range(state.n):
-        for b in contact.partner[contact.start[a] : contact.start[a + 1]]:
-            reach = state.row("RADIUS")[a] + state.row("RADIUS")[b]
-            low, high = kernels.contact_interval(state.buf, a, b, reach)
-            if low < high:
-                ends = [tuple(x[i]) for i in (a, a + 1, b, b + 1)]
-                line = contact.stiffness * state.row("LENGTH")[a]
-                push, by_s, by_t, *_ = overlap.press(*ends, low, high, reach, line)
-                force[a] += np.subtract(push, by_s)
-                force[a + 1] += by_s
-                force[b] -= np.subtract(push, by_t)
-                force[b + 1] -= by_t
+    for a, b in contact.pairs.T:
+        reach = state.row("RADIUS")[a] + state.row("RADIUS")[b]
+        low, high = kernels.contact_interval(state.buf, a, b, reach)
+        if low < high:
+            ends = [tuple(x[i]) for i in (a, a + 1, b, b + 1)]
+            line = contact.stiffness * state.row("LENGTH")[a]
+            push, by_s, by_t, *_ = overlap.press(*ends, low, high, reach, line)
+            force[a] += np.subtract(push, by_s)
+            force[a + 1] += by_s
+            force[b] -= np.subtract(push, by_t)
+            force[b + 1] -= by_t
     return force.T
+
+
+def pairs_in_play(contact):
+    """Count the pairs of all runs; one of no length ends them."""
+    lengths = contact.runs[runs.LENGTH_OF]
+    return int(lengths[: np.argmin(lengths)].sum())
 
 
 def test_pairs_pressed_in_batches_are_all_that_touch(rng):
@@ -256,8 +251,8 @@ def test_pairs_pressed_in_batches_are_all_that_touch(rng):
         expected = forces_pair_by_pair(march)
         assert np.abs(expected).max() > 0
         np.testing.assert_allclose(force, expected, atol=1e-13 * np.abs(expected).max())
-        pressed.append(int((march.contact.stop - march.contact.start[:-1]).sum()))
-    assert max(pressed) < march.contact.start[-1]  # the second sieve holds something back
+        pressed.append(pairs_in_play(march.contact))
+    assert max(pressed) < march.contact.pairs.shape[1]  # the second sieve holds something back
     assert len(set(pressed)) > 1
 
 
