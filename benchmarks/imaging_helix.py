@@ -170,7 +170,9 @@ def ends_and_tines() -> None:
         found = helix(Photo(drawn.pixels))
         missing = total_link_error(beside_truth(found, drawn), found)
         said = any("not determined" in warning for warning in found.warnings)
-        miss = abs(found.tine - 4 * PITCH * r) / r
+        row = int((found.phase["s"] - found.tine).abs().argmin())
+        place = np.interp(found.axis[row, 1], drawn.truth["y"], drawn.truth["s"])
+        miss = abs(place - 4 * PITCH * r) / r
         text = f"{missing:+.3f} turn, {'said' if said else 'not said'}"
         report(f"a tine hides {name} a pitch: link; winding undetermined", "", text)
         report("   its place, not given", "", f"{miss:.2f} r")

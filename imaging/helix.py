@@ -68,7 +68,7 @@ def helix(
     root : {"top", "bottom", "left", "right"}
         The side of the picture towards which the clamped end lies.
     tine : (x, y) or (x, y, radius), optional
-        Where the tine crosses the pair [px]; by default any other colour that covers it, else
+        Where the tine crosses the pair [px]; by default what else covers it between its ends, else
         where strands that lie apart come together again on the tip's side, which is warned of.
 
     Returns
@@ -83,7 +83,7 @@ def helix(
     photo, segmentation = _segmented(picture)
     pair = twisted_pair(segmentation, colours)
     membership = pair_membership(segmentation, pair, photo)
-    others = (segmentation.labels > 0) & ~np.isin(segmentation.labels, np.add(pair, 1))
+    others = _others(segmentation, pair)
     r = rough_radius(membership > 0.5)
     bar = _bar(others, r) if tine is None else _disc(tine, r, others.shape)
     start = _first_look(membership, bar, root)
@@ -101,6 +101,12 @@ def _segmented(picture: Photo | Segmentation) -> tuple[Photo | None, Segmentatio
     if isinstance(picture, Photo):
         return picture, split_colours(picture, segment(picture))
     return None, picture
+
+
+def _others(segmentation: Segmentation, pair: tuple[int, int]) -> Mask:
+    """Return what stands out from the background and is neither strand of the pair."""
+    others = (segmentation.labels > 0) & ~np.isin(segmentation.labels, np.add(pair, 1))
+    return others if segmentation.blocks is None else others | segmentation.blocks
 
 
 def _first_look(membership: np.ndarray, bar: Mask, root: str) -> Start:
@@ -144,10 +150,19 @@ def _tine(start: Start, bar: Mask, given: tuple[float, ...] | None) -> tuple[Mas
         centre = float(s[np.argmin(np.linalg.norm(start.axis.points - given[:2], axis=1))])
         reach = given[2] if len(given) > 2 else 2 * start.r
         return np.abs(s - centre) <= reach + 2, centre
-    covered = _covered(bar, start.axis, start.r)
+    covered = _inner(_covered(bar, start.axis, start.r))
     if not covered.any():
         return np.zeros(len(s), dtype=bool), None
     return np.convolve(covered, np.ones(5), mode="same") > 0, float(np.median(s[covered]))
+
+
+def _inner(covered: Mask) -> Mask:
+    """Leave out what reaches an end of the axis: a clamp or a cut, no tine."""
+    seen = np.flatnonzero(~covered)
+    inner = np.zeros_like(covered)
+    if len(seen):
+        inner[seen[0] : seen[-1]] = covered[seen[0] : seen[-1]]
+    return inner
 
 
 def _disc(tine: tuple[float, ...], r: float, shape: tuple[int, ...]) -> Mask:
@@ -216,10 +231,10 @@ def _fit_all(membership: np.ndarray, start: Start, hidden: Mask) -> tuple[Fit, E
 
 
 def _first_model(start: Start, shape: tuple[int, ...]) -> Model:
-    """Splines through the first phase: 16 knots a pitch, 8 for the axis, 4 for R and the lean."""
+    """Splines through the first phase: 24 knots a pitch, 8 for the axis, 4 for R and the lean."""
     axis, end = start.axis, start.axis.s[-1]
     layout = Layout(
-        *(knots(0.0, end, start.pitch / n) for n in (16, 8, 4, 4)),
+        *(knots(0.0, end, start.pitch / n) for n in (24, 8, 4, 4)),
     )
     beta = np.zeros(layout.size)
     phase = first_phase(start.turns, axis.s)

@@ -4,6 +4,8 @@
 border between its strands, where light mixes; here colours are learnt from all that is inside.
 """
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter, map_coordinates, maximum_filter
@@ -50,7 +52,9 @@ def split_colours(photo: Photo, segmentation: Segmentation) -> Segmentation:
     labels = _voted(labels, len(centres), strand, segmentation.width)
     masks = np.stack([labels == k + 1 for k in range(len(centres))])
     colours = np.array([np.median(lab[m], axis=0) if m.any() else np.zeros(3) for m in masks])
-    return Segmentation(labels, masks.astype(np.float32), colours, segmentation.width)
+    return replace(
+        segmentation, labels=labels, membership=masks.astype(np.float32), colours=colours
+    )
 
 
 def _features(lab: np.ndarray) -> np.ndarray:

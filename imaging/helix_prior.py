@@ -12,7 +12,7 @@ from imaging.helix_space import heading
 Array = np.ndarray
 Mask = np.ndarray
 ABRUPT, SMOOTH = 1.0, np.inf  # degrees of freedom of changes: few and large, or many
-BLIND = 2  # knots by which the place of an abrupt change may be missed
+BLIND = 3  # knots by which the place of an abrupt change may be missed
 PENALISED = {"phi": 2, "mid": 2, "R": 1, "lean": 1}  # block -> order of the difference
 REACH = 0.5  # pitch; over which smoothness is alike
 STRETCH = 0.3  # weight of the whole stretch in it

@@ -169,6 +169,19 @@ def test_winding_across_a_gap_of_most_of_a_pitch_is_said_to_be_undetermined():
     assert abs(error - round(error)) < 0.05  # right but for whole turns
 
 
+@pytest.mark.parametrize("radius", [1.5, 3.0, 5.0])
+def test_a_tine_is_found_however_thick_and_a_clamp_is_none(radius):
+    """A bar of another colour across the photograph [strand radii]; above, a clamp as wide."""
+    colours = (RED, BLUE, (60, 140, 60))
+    picture = drawn(tine=(3.2 * PITCH, radius * R), colours=colours)
+    pixels = picture.pixels.copy()
+    pixels[: int(6 * R)] = pixels[int(picture.truth["y"].iloc[0] + 3.2 * PITCH), 0]
+    found = helix(Photo(pixels))
+    row = int(np.abs(found.phase["s"] - found.tine).argmin())
+    place = np.interp(found.axis[row, 1], picture.truth["y"], picture.truth["s"])
+    assert place == pytest.approx(3.2 * PITCH, abs=R)
+
+
 def test_splayed_tips_are_not_measured_and_do_no_harm():
     length = 6 * PITCH
     apart = 1.5 * PITCH
