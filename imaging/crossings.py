@@ -175,10 +175,12 @@ def _over(
     a, b = strands[hit.strand_a - 1], strands[hit.strand_b - 1]
     if segmentation is None or not isinstance(a, Strand) or not isinstance(b, Strand):
         return None, np.nan
-    if a.colour == b.colour:
+    colour_a = a.tones[np.searchsorted(arclength(a.line), hit.s_a) - 1]
+    colour_b = b.tones[np.searchsorted(arclength(b.line), hit.s_b) - 1]
+    if colour_a == colour_b:
         return None, np.nan
     shown = _labels_in_overlap(hit, lines, segmentation)
-    for_a, for_b = int((shown == a.colour + 1).sum()), int((shown == b.colour + 1).sum())
+    for_a, for_b = int((shown == colour_a + 1).sum()), int((shown == colour_b + 1).sum())
     share, sure = _verdict(for_a, for_b)
     if share < DOUBT:
         return None, sure

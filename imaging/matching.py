@@ -1,6 +1,6 @@
 """Join the pieces of a colour into strands: one global matching of their ends."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import product
 
 import networkx as nx  # type: ignore[import-untyped]
@@ -20,16 +20,17 @@ DISTANCE = 0.1  # cost of each strand width of gap
 FARTHEST = 60.0  # strand widths
 
 
+Gain = tuple[int, int, float]  # a possible join: two ends, and how much less it costs than none
+
+
 def join(
-    ends: list[End], lengths: Sequence[float], covered: np.ndarray, own: np.ndarray, width: float
+    ends: list[End], lengths: Sequence[float], gains: Iterable[Gain], width: float
 ) -> list[tuple[int, int]]:
     """Choose the joins of least total cost.
 
-    A join costs its bending (turn at both ends over what is usual for its length), the length
-    that runs over open background or under its own colour, where it would have to cross itself,
-    and a little for its length. Each end is joined at most once. A strand that ends costs the same
-    everywhere; a short piece may be left out of every strand more cheaply, as an edge between its
-    own two ends. The best set is a maximum-weight matching (Edmonds' blossom algorithm).
+    Each end is joined at most once. A strand that ends costs the same everywhere; a short piece may
+    be left out of every strand more cheaply, as an edge between its own two ends. The best set is a
+    maximum-weight matching (Edmonds' blossom algorithm).
 
     Parameters
     ----------
@@ -37,10 +38,8 @@ def join(
         Those of piece i are 2 i and 2 i + 1.
     lengths : sequence of float
         Of the pieces [px].
-    covered : (h, w) bool array
-        Where a strand may hide: under any strand.
-    own : (h, w) bool array
-        Where the colour of these pieces is seen.
+    gains : iterable of (int, int, float)
+        Joins to choose from.
     width : float
         Strand width [px].
 
@@ -50,26 +49,48 @@ def join(
         Indices into `ends`.
     """
     graph = nx.Graph()
-    for i, j, gain in _candidates(ends, covered, own, width):
+    for i, j, gain in gains:
         graph.add_edge(i, j, weight=gain)
     for i, length in enumerate(lengths):
         if length < LONG * width:
             graph.add_edge(2 * i, 2 * i + 1, weight=2 * GIVE_UP * (1 - length / (LONG * width)))
-    joins = [(min(a, b), max(a, b)) for a, b in nx.max_weight_matching(graph)]
+    joins = [
+        (min(a, b), max(a, b))
+        for part in nx.connected_components(graph)
+        for a, b in nx.max_weight_matching(graph.subgraph(part))
+    ]
     return _without_rings(sorted(j for j in joins if j[0] // 2 != j[1] // 2), graph, ends)
 
 
-def _candidates(
-    ends: list[End], covered: np.ndarray, own: np.ndarray, width: float
-) -> list[tuple[int, int, float]]:
-    """Pairs of ends whose join costs less than leaving both, and how much less."""
+def within_colour(
+    ends: Sequence[End], covered: np.ndarray, own: np.ndarray, width: float
+) -> list[Gain]:
+    """Pairs of ends of one colour whose join costs less than leaving both, and how much less.
+
+    A join costs its bending (turn at both ends over what is usual for its length), the length
+    that runs over open background or under its own colour, where it would have to cross itself,
+    and a little for its length.
+
+    Parameters
+    ----------
+    ends : sequence of End
+    covered : (h, w) bool array
+        Where a strand may hide: under any strand.
+    own : (h, w) bool array
+        Where the colour of these ends is seen.
+    width : float
+        Strand width [px].
+
+    Returns
+    -------
+    list of (int, int, float)
+        Indices into `ends`, and the gain.
+    """
     if len(ends) < 4:
         return []
-    points = np.array([e.point for e in ends])
-    directions = np.array([e.direction for e in ends])
-    branch = np.array([e.branch for e in ends])
+    points, directions, branch = as_arrays(ends)
     i, j = np.nonzero(np.triu(branch[:, None] != branch[None, :], 1))
-    bend, gap = _bending(points[i], directions[i], points[j], directions[j], width)
+    bend, gap = bending(points[i], directions[i], points[j], directions[j], width)
     gain = 2 * GIVE_UP - bend - DISTANCE * gap / width
     good = (gain > 0) & (gap < FARTHEST * width)
     found = []
@@ -99,7 +120,14 @@ def _toll(path: np.ndarray, covered: np.ndarray, own: np.ndarray, width: float) 
     return float((over + 2 * (4 * bulge / (gap * TURN)) ** 2).min())
 
 
-def _bending(
+def as_arrays(ends: Sequence[End]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points (n, 2), directions (n, 2) and branches (n,) of ends."""
+    points = np.array([e.point for e in ends])
+    directions = np.array([e.direction for e in ends])
+    return points, directions, np.array([e.branch for e in ends])
+
+
+def bending(
     p: np.ndarray, t: np.ndarray, q: np.ndarray, u: np.ndarray, width: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Cost of turning from t at p to the chord, and from the chord to -u at q; and the gap."""

@@ -28,11 +28,12 @@ def labels_picture(segmentation: Segmentation, strands: Sequence[Strand]) -> np.
     """
     kind = np.uint8 if len(strands) < 256 else np.uint16
     picture = np.zeros(segmentation.labels.shape, kind)
-    for colour in {strand.colour for strand in strands}:
-        own = [i for i, strand in enumerate(strands) if strand.colour == colour]
+    for colour in np.unique(np.concatenate([strand.tones for strand in strands])):
+        own = [i for i, strand in enumerate(strands) if (strand.tones == colour).any()]
         ys, xs = np.nonzero(segmentation.labels == colour + 1)
         points = np.stack([xs, ys], axis=1)
-        far = np.stack([cKDTree(strands[i].line).query(points)[0] for i in own])
+        parts = [strands[i].line[strands[i].tones == colour] for i in own]
+        far = np.stack([cKDTree(part).query(points)[0] for part in parts])
         picture[ys, xs] = np.array(own)[far.argmin(axis=0)] + 1
     return picture
 

@@ -1,8 +1,9 @@
 """Segmentation -> strands: centrelines through crossings, with widths, spread and kind of ends.
 
-Strategy, for each colour: skeletonise what is seen of it; cut the skeleton at its junctions; join
-the pieces across junctions and under other strands by one global matching on bending and on how
-much of the join lies in the open; move the joined line to the middle between the strand's edges.
+Strategy: skeletonise what is seen of each colour; cut the skeletons at their junctions; join the
+pieces across junctions and under other strands by one global matching on bending and on how much of
+the join lies in the open, and two colours where one strand changes from one to the other; move the
+joined lines to the middle between the strand's edges.
 """
 
 from dataclasses import dataclass
@@ -10,14 +11,16 @@ from functools import partial
 
 import cv2
 import numpy as np
+from scipy.spatial import cKDTree
 
 from imaging.branches import End, branches, ends_of
 from imaging.centreline import arclength, normals, refine, sample
 from imaging.contact import known as know
 from imaging.contact import place
-from imaging.matching import bridge, chains, join
+from imaging.matching import bridge, chains, join, within_colour
 from imaging.photo import Photo
 from imaging.segment import Segmentation
+from imaging.two_tone import head_on, own_membership
 
 ROUNDS = 2  # of placing strands by what the others leave unexplained
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
@@ -39,8 +42,9 @@ class Strand:
         Local width, and standard deviation of the centreline across the strand [px].
     edges : (n,) int array
         How many of the strand's two edges are seen at each point: 0 = hidden, 1, 2.
-    colour : int
-        Index into the segmentation's colours.
+    tones : (n,) int array
+        Index of the strand's colour at each point into the segmentation's colours; one and the same
+        unless the strand changes its colour.
     ends : (str, str)
         ``free``, ``clipped`` by the picture's border, or ``hidden`` under another strand.
     """
@@ -49,8 +53,17 @@ class Strand:
     width: np.ndarray
     sd: np.ndarray
     edges: np.ndarray
-    colour: int
+    tones: np.ndarray
     ends: tuple[str, str]
+
+    @property
+    def colour(self) -> int:
+        """The colour that most of the strand has."""
+        return _main(self.tones)
+
+
+def _main(tones: np.ndarray) -> int:
+    return int(np.bincount(tones).argmax())
 
 
 def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand]:
@@ -69,9 +82,9 @@ def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand
     """
     covered = cv2.dilate((segmentation.labels > 0).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     coverage = segmentation.membership.sum(axis=0)
-    strands = []
-    for colour in range(len(segmentation.colours)):
-        strands += _strands_of(segmentation, colour, covered, coverage)
+    lines = _lines(segmentation, covered, coverage)
+    strands = [_strand(line, tones, segmentation, coverage) for line, tones in lines]
+    strands = [s for s in strands if _is_whole(s, segmentation, coverage)]
     if segmentation.contrast is None:
         return strands
     for _ in range(ROUNDS):
@@ -94,36 +107,56 @@ def _settled(
         others = [other for i, other in enumerate(known) if i != number]
         fine = refine(
             strand.line,
-            segmentation.membership[strand.colour],
+            own_membership(segmentation, coverage, strand.line, strand.tones),
             coverage,
             segmentation.width,
             rounds=1,
             place=partial(place, own=known[number], others=others, picture=picture),
         )
-        found.append(Strand(*fine, strand.colour, strand.ends))
+        tones = _nearest_tones(fine.line, strand.line, strand.tones)
+        found.append(Strand(*fine, tones, strand.ends))
     return found
 
 
-def _strands_of(
-    segmentation: Segmentation, colour: int, covered: np.ndarray, coverage: np.ndarray
-) -> list[Strand]:
-    width = segmentation.width
-    own = segmentation.membership[colour]
-    mask = segmentation.labels == colour + 1
-    paths = [_centred(path, own, coverage, width) for path in branches(mask, width)]
+def _nearest_tones(line: np.ndarray, known: np.ndarray, tones: np.ndarray) -> np.ndarray:
+    """Colours (n,) along a line, from those at the points of another close to it."""
+    if (tones == tones[0]).all():
+        return np.full(len(line), tones[0])
+    return tones[cKDTree(known).query(line)[1]]
+
+
+def _lines(
+    segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Points and colours of each chain of pieces that is long enough to be a strand."""
+    width, labels = segmentation.width, segmentation.labels
+    pieces = _pieces(segmentation, coverage)
+    paths, colours = [path for path, _ in pieces], [colour for _, colour in pieces]
     ends = ends_of(paths, width)
+    gains = head_on(ends, np.repeat(colours, 2), coverage, width)
+    for colour in range(len(segmentation.colours)):
+        first, last = np.searchsorted(colours, [colour, colour + 1]).tolist()
+        within = within_colour(ends[2 * first : 2 * last], covered, labels == colour + 1, width)
+        gains += [(i + 2 * first, j + 2 * first, gain) for i, j, gain in within]
     lengths = [arclength(path)[-1] for path in paths]
-    found = chains(len(paths), join(ends, lengths, covered, mask, width))
-    lines = [_connected(walk, paths, ends) for walk in found]
-    strands = [
-        _strand(line, own, coverage, segmentation.labels, width, colour)
-        for line in _long_enough(lines, width)
+    found = chains(len(paths), join(ends, lengths, gains, width))
+    return _long_enough([_connected(walk, pieces, ends) for walk in found], width)
+
+
+def _pieces(segmentation: Segmentation, coverage: np.ndarray) -> list[tuple[np.ndarray, int]]:
+    """Pieces of the centrelines of all colours, each with its colour, in the colours' order."""
+    width = segmentation.width
+    return [
+        (_centred(path, own, coverage, width), colour)
+        for colour, own in enumerate(segmentation.membership)
+        for path in branches(segmentation.labels == colour + 1, width)
     ]
-    return [strand for strand in strands if _is_whole(strand, own, width)]
 
 
-def _is_whole(strand: Strand, own: np.ndarray, width: float) -> bool:
+def _is_whole(strand: Strand, segmentation: Segmentation, coverage: np.ndarray) -> bool:
     """Tell a strand from another's rim: both edges, or its colour well to both sides, are seen."""
+    width = segmentation.width
+    own = own_membership(segmentation, coverage, strand.line, strand.tones)
     aside = 0.35 * width * normals(strand.line)
     beside = np.stack([strand.line - aside, strand.line + aside], axis=1)
     whole = (strand.edges == 2) | (sample(own, beside) >= 0.5).all(axis=1)
@@ -138,42 +171,55 @@ def _centred(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: flo
 
 
 def _connected(
-    walk: list[tuple[int, bool]], paths: list[np.ndarray], ends: list[End]
-) -> np.ndarray:
-    """Points of a chain of branches with bridges between them."""
-    parts = []
+    walk: list[tuple[int, bool]], pieces: list[tuple[np.ndarray, int]], ends: list[End]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points of a chain of pieces with bridges between them, and their colours."""
+    parts, tones = [], []
     for step, (branch, reverse) in enumerate(walk):
+        path, colour = pieces[branch]
         if step:
             before, was_reverse = walk[step - 1]
-            parts.append(
-                bridge(ends[2 * before + (not was_reverse)], ends[2 * branch + reverse])[1:-1]
-            )
-        parts.append(paths[branch][::-1] if reverse else paths[branch])
-    return np.concatenate(parts)
+            gap = bridge(ends[2 * before + (not was_reverse)], ends[2 * branch + reverse])[1:-1]
+            parts.append(gap)
+            tones.append(np.full(len(gap), colour))
+            tones[-1][: len(gap) // 2] = pieces[before][1]
+        parts.append(path[::-1] if reverse else path)
+        tones.append(np.full(len(path), colour))
+    return np.concatenate(parts), np.concatenate(tones)
 
 
-def _long_enough(lines: list[np.ndarray], width: float) -> list[np.ndarray]:
-    lines = sorted(lines, key=lambda line: -arclength(line)[-1])
-    if not lines:
-        return []
-    least = max(SHORTEST * width, SHARE * arclength(lines[0])[-1])
-    return [line for line in lines if arclength(line)[-1] >= least]
+def _long_enough(
+    chained: list[tuple[np.ndarray, np.ndarray]], width: float
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Drop specks and remnants; the rest in the order of the colours, longer first."""
+    longest: dict[int, float] = {}
+    ranked = []
+    for line, tones in chained:
+        colour, length = _main(tones), float(arclength(line)[-1])
+        longest[colour] = max(longest.get(colour, 0), length)
+        ranked.append((colour, length, line, tones))
+    ranked.sort(key=lambda one: (one[0], -one[1]))
+    return [
+        (line, tones)
+        for colour, length, line, tones in ranked
+        if length >= max(SHORTEST * width, SHARE * longest[colour])
+    ]
 
 
 def _strand(
-    line: np.ndarray,
-    own: np.ndarray,
-    coverage: np.ndarray,
-    labels: np.ndarray,
-    width: float,
-    colour: int,
+    line: np.ndarray, tones: np.ndarray, segmentation: Segmentation, coverage: np.ndarray
 ) -> Strand:
+    width, labels = segmentation.width, segmentation.labels
     if line[0, 1] > line[-1, 1]:
-        line = line[::-1]
-    line = _extended(_extended(line, own, width)[::-1], own, width)[::-1]
-    fine = refine(line, own, coverage, width)
-    ends = (_kind(fine.line[::-1], labels, colour, width), _kind(fine.line, labels, colour, width))
-    return Strand(*fine, colour, ends)
+        line, tones = line[::-1], tones[::-1]
+    own = own_membership(segmentation, coverage, line, tones)
+    longer = _extended(_extended(line, own, width)[::-1], own, width)[::-1]
+    fine = refine(longer, own, coverage, width)
+    ends = (
+        _kind(fine.line[::-1], labels, tones[0], width),
+        _kind(fine.line, labels, tones[-1], width),
+    )
+    return Strand(*fine, _nearest_tones(fine.line, line, tones), ends)
 
 
 def _extended(line: np.ndarray, own: np.ndarray, width: float) -> np.ndarray:

@@ -83,7 +83,7 @@ def test_the_measurement_names_it():
 def strand(x: np.ndarray, sd: float = 0.1) -> Strand:
     line = np.stack([x, np.arange(400.0)], axis=1)
     width, spread = np.full(400, WIDTH), np.full(400, sd)
-    return Strand(line, width, spread, np.full(400, 2), 0, ("free", "free"))
+    return Strand(line, width, spread, np.full(400, 2), np.zeros(400, int), ("free", "free"))
 
 
 def test_a_crossing_too_long_to_place():
@@ -109,7 +109,7 @@ def test_a_loop_that_lies_on_itself():
     back = np.stack([x, 50.2 + 60 * ((x - 120) / 200) ** 2], axis=1)[::-1]
     line = np.concatenate([there, turn, back])
     n = len(line)
-    loop = Strand(line, np.full(n, WIDTH), np.full(n, 0.4), np.full(n, 2), 0, ("free", "free"))
+    loop = Strand(line, np.full(n, WIDTH), np.full(n, 0.4), np.full(n, 2), np.zeros(n, int), ("free", "free"))
     (row,) = unresolved([loop], crossings([loop])).to_dict("records")
     assert (row["kind"], row["strand_a"], row["strand_b"], row["crossings"]) == ("self", 1, 1, 0)
     # 60 ((x - 120) / 200)^2 + 0.2 < 2 sqrt(0.4^2 + 0.4^2) within 25 px of x = 120

@@ -1,0 +1,121 @@
+"""Strands that change colour along their length: pieces of two colours that meet head-on.
+
+Two colours are one strand where the end of a piece of one faces the end of a piece of the other,
+and the outline around both is that of a single strand: it neither narrows nor steps aside where
+the colour changes. Ends of two strands that merely meet leave a notch or a step. A change of colour
+beneath another strand, or in contact with one, leaves no outline to judge by: it stays two strands.
+"""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from imaging.branches import End
+from imaging.centreline import edges, normals
+from imaging.matching import GIVE_UP, Gain, as_arrays, bending, bridge
+from imaging.segment import Segmentation
+
+FARTHEST = 10.0  # strand widths between the ends, where colours blend and are taken for others
+PRICE = 0.5 * GIVE_UP  # of a join across colours; one within a colour is preferred
+CORNER = 0.6  # rad; strands that meet at a larger angle are two
+AROUND = 1.0  # strand widths beyond both ends over which the outline is looked at
+NARROW, WIDE = 0.85, 1.15  # of its width beside the change; a notch is narrower, two strands wider
+ASIDE = 0.06  # strand widths (RMS) by which its middle may leave a parabola
+BLEND = 2.0  # strand widths around a change of colour in which any colour is the strand's own
+
+
+def head_on(
+    ends: Sequence[End], colours: np.ndarray, coverage: np.ndarray, width: float
+) -> list[Gain]:
+    """Find ends of different colours that face each other within the outline of one strand.
+
+    Parameters
+    ----------
+    ends : sequence of End
+    colours : (n,) int array
+        Of each end.
+    coverage : (h, w) float32 array
+        How much of each pixel any strand covers.
+    width : float
+        Strand width [px].
+
+    Returns
+    -------
+    list of (int, int, float)
+        Indices into `ends`, and how much less the join costs than to leave both.
+    """
+    if len(ends) < 2:
+        return []
+    points, directions, _ = as_arrays(ends)
+    i, j = np.nonzero(np.triu(np.not_equal.outer(colours, colours), 1))
+    bend, gap = bending(points[i], directions[i], points[j], directions[j], width)
+    gain = 2 * GIVE_UP - PRICE - bend
+    straight = -(directions[i] * directions[j]).sum(axis=1) > np.cos(CORNER)
+    good = (gain > 0) & (gap < FARTHEST * width) & straight
+    return [
+        (a, b, left)
+        for a, b, left in zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True)
+        if _one_outline(ends[a], ends[b], coverage, width)
+    ]
+
+
+def _one_outline(first: End, second: End, coverage: np.ndarray, width: float) -> bool:
+    """Tell whether the outline along a join, and a little beyond, is that of a single strand.
+
+    It is as wide as before or after the join, and its middle follows a parabola.
+    """
+    ahead = np.arange(1, int(AROUND * width) + 1)[:, None]
+    before = first.point - ahead[::-1] * first.direction
+    after = second.point - ahead * second.direction
+    path = np.concatenate([before, bridge(first, second), after])
+    low, high = edges(path, coverage, coverage, width)
+    span = high - low
+    if not np.isfinite(span).all():
+        return False
+    usual = [np.median(part) for part in (span[: len(before)], span[-len(after) :])]
+    if span.min() < NARROW * min(usual) or span.max() > WIDE * max(usual):
+        return False
+    middle = path + (low + high)[:, None] / 2 * normals(path)
+    at = np.linspace(-1, 1, len(path))
+    smooth = np.polynomial.polynomial.polyfit(at, middle, 2)
+    off = middle - np.polynomial.polynomial.polyval(at, smooth).T
+    return bool(np.sqrt((off**2).sum(axis=1).mean()) < ASIDE * width)
+
+
+def own_membership(
+    segmentation: Segmentation, coverage: np.ndarray, line: np.ndarray, tones: np.ndarray
+) -> np.ndarray:
+    """Coverage by a strand's own colours (h, w), each only where the strand has it.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+    coverage : (h, w) float32 array
+    line : (n, 2) array
+        Rough centreline.
+    tones : (n,) int array
+        Index of its colour at each point.
+    """
+    changes = np.flatnonzero(np.diff(tones)) + 1
+    if len(changes) == 0:
+        return segmentation.membership[tones[0]]
+    own = np.zeros_like(coverage)
+    for run in np.split(np.arange(len(line)), changes):
+        near = _band(line[run], coverage.shape, BLEND * segmentation.width)
+        own[near] += segmentation.membership[tones[run[0]]][near]
+    blend = _discs(line[changes], coverage.shape, BLEND * segmentation.width)
+    return np.where(blend, coverage, np.minimum(own, 1))
+
+
+def _band(line: np.ndarray, shape: tuple[int, ...], reach: float) -> np.ndarray:
+    drawn = np.zeros(shape, np.uint8)
+    cv2.polylines(drawn, [np.rint(line).astype(np.int32)], False, 1, 2 * int(np.ceil(reach)) + 1)
+    return drawn > 0
+
+
+def _discs(points: np.ndarray, shape: tuple[int, ...], radius: float) -> np.ndarray:
+    drawn = np.zeros(shape, np.uint8)
+    for x, y in np.rint(points).astype(int).tolist():
+        cv2.circle(drawn, (x, y), int(np.ceil(radius)), 1, cv2.FILLED)
+    return drawn > 0
