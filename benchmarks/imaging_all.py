@@ -3,9 +3,11 @@
 Run from the checkout:
 
     OMP_NUM_THREADS=1 python benchmarks/imaging_all.py [--sheets FOLDER] [--only-sheets]
+        [--only SCRIPT]
 
-It runs every other ``benchmarks/imaging_*.py`` as a new process and adds the peak memory. (A script
-named imaging.py would hide the package from those beside it.)
+It runs every other ``benchmarks/imaging_*.py`` as a new process, on the drawings that the
+documentation tells of, and adds the peak memory. (A script named imaging.py would hide the package
+from those beside it.)
 """
 
 import argparse
@@ -24,7 +26,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from imaging import Photo, crossings, read_photo, segment, trace
+from imaging import Photo, crossings, read_photo, segment, trace, unresolved
 from imaging.measure import measure
 from imaging.overlay import draw_overlay
 from imaging.synthetic import Look, random_curl, render
@@ -35,6 +37,10 @@ CURLS = 12  # drawn curls from which the sheet's are chosen
 SIX = 6  # strands in the pictures of bad light
 COLUMNS, TILE = 4, (300, 400)  # px wide and high
 STRIP = 22  # px; the caption under a tile
+RUNS: dict[str, list[list[str]]] = {
+    "imaging_curls.py": [["50", "--first", "1012"], ["25", "--first", "1012", "--one-colour"]],
+    "imaging_calibration.py": [["200", "--first", "6100"]],
+}  # of which nothing was set; scripts not named here run without arguments
 INKS = 200  # colours of a sheet, so that it stays small
 
 
@@ -46,22 +52,23 @@ class Tile(NamedTuple):
     draw: Callable[[], np.ndarray]
 
 
-def run_all() -> None:
-    """Run the other benchmarks one after the other."""
+def run_all(only: str | None) -> None:
+    """Run the other benchmarks (or only one of them) one after the other."""
     one_thread = os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(HERE.parent)}
-    for script in sorted(HERE.glob("imaging_*.py")):
-        if script.name == Path(__file__).name:
-            continue
-        print(f"\n== {script.name}", flush=True)
-        subprocess.run([sys.executable, script.name], cwd=HERE, env=one_thread, check=True)
-        used = resource.getrusage(resource.RUSAGE_CHILDREN)
-        print(f"  (peak memory so far {used.ru_maxrss / 2**20:.2f} GB)", flush=True)
+    names = sorted({path.name for path in HERE.glob("imaging_*.py")} - {Path(__file__).name})
+    for name in [only] if only else names:
+        for arguments in RUNS.get(name, [[]]):
+            print(f"\n== {' '.join([name, *arguments])}", flush=True)
+            subprocess.run([sys.executable, name, *arguments], cwd=HERE, env=one_thread, check=True)
+            used = resource.getrusage(resource.RUSAGE_CHILDREN)
+            print(f"  (peak memory so far {used.ru_maxrss / 2**20:.2f} GB)", flush=True)
 
 
 def overlay(photo: Photo) -> np.ndarray:
     found = segment(photo)
     strands = trace(found, photo)
-    return draw_overlay(photo, found, strands, crossings(strands, found))
+    table = crossings(strands, found)
+    return draw_overlay(photo, found, strands, table, unresolved(strands, table))
 
 
 def mbest_tiles() -> list[Tile]:
@@ -162,10 +169,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sheets", type=Path, help="folder for the contact sheets")
     parser.add_argument("--only-sheets", action="store_true", help="run no benchmark")
+    parser.add_argument("--only", metavar="SCRIPT", help="run one benchmark, as it is run here")
     asked = parser.parse_args()
     cv2.setNumThreads(1)
     if not asked.only_sheets:
-        run_all()
+        run_all(asked.only)
     if asked.sheets is not None:
         asked.sheets.mkdir(parents=True, exist_ok=True)
         if imaging_mbest.FOLDER.is_dir():
