@@ -6,10 +6,13 @@ import cv2
 import numpy as np
 from skimage.morphology import skeletonize
 
+from imaging.centreline import resample
+
 TRIM = 0.5  # strand widths at each end of a skeleton, where it turns into a corner
 REACH = 3.0  # strand widths over which the direction of an end is fitted
 SPECK = 1.5  # strand widths; a shorter piece has no direction to speak of
 PINHOLE = 0.1  # strand widths; half the gap that is closed
+WIDE_ENOUGH = 5.0  # px; strands at least twice as wide are skeletonised in larger pixels
 CLEAR = 0.9  # strand widths cleared around a junction of the skeleton
 
 
@@ -45,15 +48,36 @@ def branches(mask: np.ndarray, width: float) -> list[np.ndarray]:
     list of (n, 2) float arrays
         Ordered skeleton points x, y.
     """
-    x0, y0, w, h = cv2.boundingRect(mask.astype(np.uint8))
+    x0, y0, w, h = cv2.boundingRect(mask.view(np.uint8))
     if w == 0:
         return []
-    crop = np.pad(mask[y0 : y0 + h, x0 : x0 + w], 1)
-    skeleton = _without_spurs(skeletonize(_without_pinholes(crop, width)), width)
+    scale = max(1, int(width / WIDE_ENOUGH))
+    small = _shrunk(mask[y0 : y0 + h, x0 : x0 + w], scale)
+    paths = _skeleton_paths(np.pad(small, 1), width / scale)
+    corner = np.array([x0, y0]) + (scale - 1) / 2  # middle of the first coarse pixel
+    return [_pixel_by_pixel((path - 1) * scale, scale) + corner for path in paths]
+
+
+def _shrunk(mask: np.ndarray, scale: int) -> np.ndarray:
+    """Mask in pixels `scale` times as large, set where at least half of one is."""
+    if scale == 1:
+        return mask
+    fill = [(0, -side % scale) for side in mask.shape]
+    padded = np.pad(mask.view(np.uint8) * np.uint8(255), fill)
+    size = padded.shape[1] // scale, padded.shape[0] // scale
+    return cv2.resize(padded, size, interpolation=cv2.INTER_AREA) > 127
+
+
+def _pixel_by_pixel(path: np.ndarray, scale: int) -> np.ndarray:
+    return path if scale == 1 else resample(path)
+
+
+def _skeleton_paths(mask: np.ndarray, width: float) -> list[np.ndarray]:
+    """Skeleton of a mask with an empty rim, in simple paths (n, 2) of points x, y."""
+    skeleton = _without_spurs(skeletonize(_without_pinholes(mask, width)), width)
     cut = skeleton & ~_near(_junctions(skeleton), CLEAR * width)
-    origin = np.array([x0 - 1, y0 - 1])
     paths = [path for path in _paths(cut) if len(path) >= max(4, SPECK * width)]
-    return [_trimmed(path, width) + origin for path in paths]
+    return [_trimmed(path, width) for path in paths]
 
 
 def _without_pinholes(mask: np.ndarray, width: float) -> np.ndarray:
@@ -145,7 +169,6 @@ def ends_of(paths: list[np.ndarray], width: float) -> list[End]:
 def _end_fit(tail: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Last point and direction there, from a parabola (a line when short) through the tail."""
     u = np.linspace(-1, 0, len(tail))
-    degree = 2 if len(tail) > 12 else 1
-    fit = [np.polynomial.Polynomial.fit(u, tail[:, i], degree, domain=[-1, 0]) for i in (0, 1)]
-    slope = np.array([f.deriv()(0.0) for f in fit])
-    return np.array([f(0.0) for f in fit]), slope / max(np.hypot(*slope), 1e-9)
+    powers = np.vander(u, 3 if len(tail) > 12 else 2, increasing=True)
+    point, slope = np.linalg.lstsq(powers, tail, rcond=None)[0][:2]
+    return point, slope / max(np.hypot(*slope), 1e-9)

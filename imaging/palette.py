@@ -159,7 +159,7 @@ def vote(
         0 outside strands, else 1 + the index of the colour.
     """
     nearest = _nearest(features, centres)
-    y, x = np.nonzero(strand)
+    y, x = np.divmod(np.flatnonzero(strand), strand.shape[1])
     sigma = max(SPREAD * width, BLUR)
     labels = np.zeros(strand.shape, np.uint8)
     most = np.zeros(strand.shape, np.float32)

@@ -97,8 +97,9 @@ def segment(photo: Photo) -> Segmentation:
         labels, colours = _with_enough(labels, colours, width)
     if len(colours) == 0:
         raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
-    membership = _membership(labels, coverage, len(colours))
     contrast = in_even_light(above, lab)
+    del lab, above, features  # large, and the memberships are larger
+    membership = _membership(labels, coverage, len(colours))
     return Segmentation(labels.astype(np.int32), membership, colours, width, contrast, blocks)
 
 
@@ -306,15 +307,13 @@ def _with_enough(
 def _membership(labels: np.ndarray, coverage: np.ndarray, count: int) -> np.ndarray:
     """Coverage of each colour: shared out by who owns the nearest strand pixels."""
     membership = np.zeros((count, *labels.shape), np.float32)
-    total = _around((labels > 0).astype(np.uint8))
+    total = np.maximum(_around((labels > 0).view(np.uint8)), 1)
     for colour in range(count):
-        own = (labels == colour + 1).astype(np.uint8)
+        own = (labels == colour + 1).view(np.uint8)
         x, y, w, h = cv2.boundingRect(own)
         box = np.s_[max(y - 1, 0) : y + h + 1, max(x - 1, 0) : x + w + 1]
-        share = _around(own[box])
-        # Only where the colour is: pages of a large picture that stay zero are never touched.
-        at = np.nonzero(share)
-        membership[colour][box][at] = coverage[box][at] * share[at] / total[box][at]
+        share = cv2.divide(_around(own[box]), total[box], dtype=cv2.CV_32F)
+        cv2.multiply(share, coverage[box], dst=membership[colour][box])
     return membership
 
 
