@@ -15,6 +15,7 @@ from sim.kernels.rod import (
     bend_and_twist,
     clear_loads,
     drift,
+    drift_twice,
     kick,
     stretch_and_shear,
 )
@@ -135,6 +136,27 @@ def too_fast(buf, n, limit):
 
 
 @kernel
+def verdict(buf, n, limit, wound, contact):
+    """Return why the march must stop after this step, DONE if it need not."""
+    if too_fast(buf, n, limit) > 0:
+        return UNSTABLE
+    if wound > 0:
+        return WOUND
+    return DEEP if gives_way(contact) else DONE
+
+
+@kernel
+def drift_on(buf, n, dt, driven, middle):
+    """Drift from the middle of a step to that of the next; driven ends change course between."""
+    if driven is not None:
+        drift(buf, n, 0.5 * dt)
+        drive(buf, driven, middle)
+        drift(buf, n, 0.5 * dt)
+    else:
+        drift_twice(buf, n, 0.5 * dt)
+
+
+@kernel
 def march(buf, n, time, dt, steps, limit, effects):
     """Take up to `steps` steps from `time`; return how many were taken and why it stopped.
 
@@ -146,24 +168,21 @@ def march(buf, n, time, dt, steps, limit, effects):
     keep, viscous, gravity, contact, friction, tines, tine_friction, driven, pulled, ledger = (
         effects
     )
-    half = 0.5 * dt
-    for step in range(steps):
-        middle = time + (step + 0.5) * dt
-        lead(buf, driven, middle)
-        drift(buf, n, half)
-        if is_stale(buf, n, contact):
-            drift(buf, n, -half)
-            return step, STALE
+    middle, step = time + 0.5 * dt, 0
+    lead(buf, driven, middle)
+    drift(buf, n, 0.5 * dt)
+    while not is_stale(buf, n, contact):
         wound = body_loads(buf, n, middle, dt, viscous, gravity, pulled)
         touch(buf, n, middle, dt, contact, friction, tines, tine_friction, ledger)
         record(buf, driven, dt)
         speed_up(buf, n, dt, keep, viscous, ledger)
         lead(buf, driven, middle)  # drag has slowed them too
-        drift(buf, n, half)
-        if too_fast(buf, n, limit) > 0:
-            return step + 1, UNSTABLE
-        if wound > 0:
-            return step + 1, WOUND
-        if gives_way(contact):
-            return step + 1, DEEP
-    return steps, DONE
+        step += 1
+        status = verdict(buf, n, limit, wound, contact)
+        if step == steps or status != DONE:
+            drift(buf, n, 0.5 * dt)
+            return step, status
+        middle = time + (step + 0.5) * dt
+        drift_on(buf, n, dt, driven, middle)
+    drift(buf, n, -0.5 * dt)
+    return step, STALE

@@ -13,7 +13,7 @@ import math
 
 from sim.kernels.compiled import formula, kernel
 from sim.kernels.layout import *  # noqa: F403  (row names, nothing else)
-from sim.kernels.vectors import at, dot
+from sim.kernels.vectors import along, at, cross, dot, push, put
 
 # theta/sin(theta) as a series in z = sin^2(theta/2): a_{n+1}/a_n = 2(n+1)/(2n+3).
 SERIES_LIMIT = 0.06  # theta = 28 degrees; the first term left out is below 1e-16 there
@@ -26,26 +26,55 @@ HALF_TURN = math.sin(0.5 * math.radians(177.0)) ** 2
 @kernel
 def drift(buf, n, dt):
     """Move nodes by v dt and turn elements by the Cayley map of w dt, orthogonal to rounding."""
-    for i in range(n):
-        buf[X0 + i] += dt * buf[V0 + i]
-        buf[X1 + i] += dt * buf[V1 + i]
-        buf[X2 + i] += dt * buf[V2 + i]
+    drift_nodes(buf, n, dt)
     turn_column(buf, n, dt, Q00, Q10, Q20)
     turn_column(buf, n, dt, Q01, Q11, Q21)
     turn_column(buf, n, dt, Q02, Q12, Q22)
 
 
 @kernel
+def drift_nodes(buf, n, dt):
+    """Move nodes by v dt."""
+    for i in range(n):
+        push(buf, X0, X1, X2, i, at(buf, V0, V1, V2, i), dt)
+
+
+@kernel
 def turn_column(buf, n, dt, q0, q1, q2):
     """Turn one column q of every Q: q <- q - c a x q + c/2 a x (a x q), a = w dt."""
     for i in range(n):
-        a0, a1, a2 = dt * buf[W0 + i], dt * buf[W1 + i], dt * buf[W2 + i]
-        c = 1.0 / (1.0 + 0.25 * (a0 * a0 + a1 * a1 + a2 * a2))
-        x, y, z = buf[q0 + i], buf[q1 + i], buf[q2 + i]
-        u, v, w = a1 * z - a2 * y, a2 * x - a0 * z, a0 * y - a1 * x
-        buf[q0 + i] = x - c * (u - 0.5 * (a1 * w - a2 * v))
-        buf[q1 + i] = y - c * (v - 0.5 * (a2 * u - a0 * w))
-        buf[q2 + i] = z - c * (w - 0.5 * (a0 * v - a1 * u))
+        a = (dt * buf[W0 + i], dt * buf[W1 + i], dt * buf[W2 + i])
+        c = 1.0 / (1.0 + 0.25 * dot(a, a))
+        put(buf, q0, q1, q2, i, turned(at(buf, q0, q1, q2, i), a, c, 0.5 * c))
+
+
+@formula
+def turned(q, a, first, second):
+    """Return q - first a x q + second a x (a x q)."""
+    u = cross(a, q)
+    return along(along(q, -first, u), second, cross(a, u))
+
+
+@kernel
+def drift_twice(buf, n, dt):
+    """Drift by dt two times over in one go, the end of one step and the beginning of the next."""
+    drift_nodes(buf, n, 2.0 * dt)
+    turn_column_twice(buf, n, dt, Q00, Q10, Q20)
+    turn_column_twice(buf, n, dt, Q01, Q11, Q21)
+    turn_column_twice(buf, n, dt, Q02, Q12, Q22)
+
+
+@kernel
+def turn_column_twice(buf, n, dt, q0, q1, q2):
+    """Turn a column by two equal Cayley maps: with |a| = 2 tan(theta/2) each turns it by theta, and
+    sin(2 theta) and 1 - cos(2 theta) are rational in |a|^2.
+    """
+    for i in range(n):
+        a = (dt * buf[W0 + i], dt * buf[W1 + i], dt * buf[W2 + i])
+        m = 0.25 * dot(a, a)
+        c = 1.0 / (1.0 + m)
+        second = 2.0 * c * c
+        put(buf, q0, q1, q2, i, turned(at(buf, q0, q1, q2, i), a, second * (1.0 - m), second))
 
 
 @kernel
