@@ -101,21 +101,25 @@ def own_membership(
     if len(changes) == 0:
         return segmentation.membership[tones[0]]
     own = np.zeros_like(coverage)
+    reach = BLEND * segmentation.width
     for run in np.split(np.arange(len(line)), changes):
-        near = _band(line[run], coverage.shape, BLEND * segmentation.width)
-        own[near] += segmentation.membership[tones[run[0]]][near]
-    blend = _discs(line[changes], coverage.shape, BLEND * segmentation.width)
-    return np.where(blend, coverage, np.minimum(own, 1))
+        box, near = _band(line[run], coverage.shape, reach)
+        np.add(own[box], segmentation.membership[tones[run[0]]][box], out=own[box], where=near)
+    np.minimum(own, 1, out=own)
+    for change in changes:
+        box, near = _band(line[change - 1 : change + 1], coverage.shape, reach)
+        np.copyto(own[box], coverage[box], where=near)
+    return own
 
 
-def _band(line: np.ndarray, shape: tuple[int, ...], reach: float) -> np.ndarray:
-    drawn = np.zeros(shape, np.uint8)
-    cv2.polylines(drawn, [np.rint(line).astype(np.int32)], False, 1, 2 * int(np.ceil(reach)) + 1)
-    return drawn > 0
-
-
-def _discs(points: np.ndarray, shape: tuple[int, ...], radius: float) -> np.ndarray:
-    drawn = np.zeros(shape, np.uint8)
-    for x, y in np.rint(points).astype(int).tolist():
-        cv2.circle(drawn, (x, y), int(np.ceil(radius)), 1, cv2.FILLED)
-    return drawn > 0
+def _band(
+    line: np.ndarray, shape: tuple[int, ...], reach: float
+) -> tuple[tuple[slice, slice], np.ndarray]:
+    """Rows and columns around a line, and which pixels there are within reach of it."""
+    half = int(np.ceil(reach))
+    low = np.maximum(np.rint(line.min(axis=0)).astype(int) - half, 0)
+    high = np.minimum(np.rint(line.max(axis=0)).astype(int) + half + 1, shape[::-1])
+    drawn = np.zeros((high - low)[::-1], np.uint8)
+    points = np.append(line[:: max(1, half // 8)], line[-1:], axis=0)
+    cv2.polylines(drawn, [np.rint(points - low).astype(np.int32)], False, 1, 2 * half + 1)
+    return np.s_[low[1] : high[1], low[0] : high[0]], drawn > 0
