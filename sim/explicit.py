@@ -13,7 +13,14 @@ from sim.kernels import neighbours
 from sim.kernels.contact import Contact, Friction
 from sim.kernels.runs import fill_runs
 from sim.kernels.tine import Tines
-from sim.passing import NONE, deep_pairs, newcomer, passing_through
+from sim.passing import (
+    NONE,
+    bent_through,
+    deep_pairs,
+    newcomer,
+    passing_through,
+    tight_bends,
+)
 from sim.scene import Scene
 from sim.state import build
 from sim.winding import wound_up
@@ -53,7 +60,8 @@ class Explicit:
             self._heads = np.zeros(size, np.int64)
             self._following = np.zeros(self.state.n, np.int64)
             self._rebuild()
-        self._deep = deep_pairs(self)  # strands may start in each other
+        # Strands may start in each other.
+        self._deep, self._tight = deep_pairs(self), tight_bends(self)
 
     @property
     def time(self) -> float:
@@ -77,6 +85,7 @@ class Explicit:
             self.steps += taken
             left -= taken
             if status == march_kernel.STALE:
+                self._look_at_bends()
                 self._rebuild()
             elif status == march_kernel.UNSTABLE:
                 raise unstable(self)
@@ -92,6 +101,12 @@ class Explicit:
         before, self._deep = self._deep, deep_pairs(self)
         if (pair := newcomer(self._deep, before)) is not None:
             raise passing_through(self, *pair)
+
+    def _look_at_bends(self) -> None:
+        """See that no strand passes through itself where it is bent."""
+        before, self._tight = self._tight, tight_bends(self)
+        if (pair := newcomer(self._tight, before)) is not None:
+            raise bent_through(self, *pair)
 
     def _rebuild(self) -> None:
         """List the pairs that may touch, and hand their slip on."""

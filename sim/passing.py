@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sim.errors import Unstable
 from sim.kernels import passing as kernels
-from sim.timestep import SPRING
+from sim.timestep import BENDING, SPRING
 
 if TYPE_CHECKING:
     from sim.explicit import Explicit
@@ -27,6 +27,18 @@ def deep_pairs(march: Explicit) -> Pairs:
         return NONE
     found = np.zeros((ROOM, 2), np.int64)
     return found[: kernels.deep_pairs(march.state.buf, march.state.n, march.contact, found)]
+
+
+def tight_bends(march: Explicit) -> Pairs:
+    """Return the pairs of elements between which a rod is bent through itself, (m, 2).
+
+    Only where rods may touch themselves.
+    """
+    contact = march.contact
+    if contact is None or math.isinf(contact.self_gap):
+        return NONE
+    found = np.zeros((ROOM, 2), np.int64)
+    return found[: kernels.tight_bends(march.state.buf, march.state.n, contact, found)]
 
 
 def newcomer(now: Pairs, before: Pairs) -> tuple[int, int] | None:
@@ -60,4 +72,19 @@ def passing_through(march: Explicit, a: int, b: int) -> Unstable:
         f"pressed with {load:.3g} N; at this angle a crossing bears at most {most:.3g} N; "
         f"increase contact.stiffness from {contact.stiffness:.3g} N/m^2, or load less",
         march.time, rod, element, "contact of rods", SPRING, (other, there),
+    )  # fmt: skip
+
+
+def bent_through(march: Explicit, a: int, b: int) -> Unstable:
+    """Return the error that says where a rod is bent so tightly that it passes through itself."""
+    state, contact = march.state, march.contact
+    assert contact is not None
+    near = kernels.tightness(state.buf, a, b, contact)
+    (rod, element), (_, there) = state.place(a), state.place(b)
+    return Unstable(
+        f"a strand passes through itself at t = {march.time:.6g} s: rod {rod} is bent more tightly "
+        f"than round its own radius between elements {element} and {there}, which are {near:.2f} "
+        "of the least distance apart; turns would be lost unseen; twist it less, or pull it less "
+        "while it is twisted",
+        march.time, rod, element, "elasticity", BENDING, (rod, there),
     )  # fmt: skip

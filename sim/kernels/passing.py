@@ -76,6 +76,46 @@ def deep_pairs(buf, n, contact, found):
 
 
 @kernel
+def tightness(buf, a, b, contact):
+    """Return the distance of elements a and b of one rod over that which a turn round r leaves.
+
+    A rod cannot be bent more tightly than round its own radius; points 2 r phi apart along it are
+    then 2 r sin(phi) apart. Contact does not see to that, beginning half a turn away.
+    """
+    p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
+    dp, u = minus(at(buf, X0, X1, X2, a + 1), p0), minus(at(buf, X0, X1, X2, b + 1), q0)
+    w, reach = minus(p0, q0), 2.0 * buf[RADIUS + a]
+    s, t = nearest_points(w, dp, u)
+    gap = along(along(w, s, dp), -t, u)
+    between = contact.arc[b] + t * buf[LENGTH + b] - contact.arc[a] - s * buf[LENGTH + a]
+    return math.sqrt(dot(gap, gap)) / (reach * math.sin(min(between / reach, 0.5 * math.pi)))
+
+
+@kernel
+def tight_bends(buf, n, contact, found):
+    """Fill `found` (m, 2) with pairs of one rod too near along it for contact, whose tightness is
+    below DEEP, and return how many.
+    """
+    count = 0
+    for a in range(n):
+        b = a + 2
+        while contact.rod[a] >= 0 and is_within(contact, a, b, n):
+            if tightness(buf, a, b, contact) < DEEP and count < found.shape[0]:
+                found[count, 0], found[count, 1] = a, b
+                count += 1
+            b += 1
+    return count
+
+
+@kernel
+def is_within(contact, a, b, n):
+    """Tell whether element b is on the rod of a and too near along it for contact."""
+    if b >= n or contact.rod[b] != contact.rod[a]:
+        return False
+    return contact.arc[b] - contact.arc[a] <= contact.self_gap
+
+
+@kernel
 def load_around(buf, n, contact, a, b, arc):
     """Return the force between the rods of a and b within a length `arc` of both [N]."""
     wedges(buf, n)

@@ -6,7 +6,7 @@ Clauvelin & Neukirch, PRL 99, 164301 (2007), and Jawed, Dieleman, Audoly & Reis,
 """
 
 import math
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -14,12 +14,13 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.special import ellipe, ellipk
 
 from sim.energy import directors
+from sim.errors import Unstable
 from sim.scene import Contact, End, Friction, Material, Motion
 from sim.shapes import helix, smallest_turn
 from sim.state import rigidities
 from sim.topology import writhe
 
-from .hard import SOFT, line, march_of, rod, segment_distances, show, watch
+from .hard import SOFT, closest, line, march_of, rod, segment_distances, show, watch
 
 H = 5e-3
 B, _ = rigidities(SOFT, H)
@@ -126,10 +127,10 @@ def measured(march):
     return tension[tails].mean(), tightest, math.sqrt(area / math.pi), shortening
 
 
-def apart_along(march, x):
+def apart_along(march, x, h=H):
     """Return the distances of all pairs of segments, infinite for those near along the strand."""
     number = np.arange(len(x) - 1)
-    near = abs(number - number[:, None]) * march.state.row("LENGTH")[1] < 2 * math.pi * H
+    near = abs(number - number[:, None]) * march.state.row("LENGTH")[1] < 2 * math.pi * h
     return np.where(near, np.inf, segment_distances(x, x))
 
 
@@ -296,9 +297,10 @@ def wound(length, elements, turns, spin, feed, *, stretch=0.0, start=0.0, **othe
     return march, duration
 
 
-def kinds_of_contact(march):
+def kinds_of_contact(march, h=H):
     """Return by how much sum and difference of the numbers of touching segments vary."""
-    first, second = np.nonzero(np.triu(apart_along(march, march.state.strands()[0]) < 2.02 * H))
+    apart = apart_along(march, march.state.strands()[0], h)
+    first, second = np.nonzero(np.triu(apart < 2.02 * h))
     return np.std(first + second), np.std(second - first)
 
 
@@ -326,6 +328,73 @@ def test_plectoneme_under_tension_with_9_turns_keeps_them_in_loops_as_tight_as_p
     twist, writhing = turns_of(march)
     assert twist + writhing == pytest.approx(9, abs=1e-3)
     show("plectoneme under tension, 9 turns put in", f"{seen}, Tw {twist:.3f} + Wr {writhing:.3f}")
+
+
+THICK, READY = 0.025, 5.0  # radius of a rod of length 1 [m]; when it is turned [s]
+STUFF = Material(E=1e6, nu=0.5, G=1e6 / 1.5, density=1 / (math.pi * THICK**2))
+
+
+def twisted_under_a_load(load, turns, time):
+    """Return a march of a rod of 40 radii (Gazzola et al. 2018) whose tip is turned, and its looks.
+
+    Each look marches on and returns the turns put in so far. The root follows the dead `load` [N]
+    as an end does that sends no waves back and does not turn, at the load less the tension over
+    sqrt(E A rho A).
+    """
+    nodes = line([0, 0, 0.5], [0, 0, 1], 1.0, 100)
+    nodes[2:-2, :2] += 1e-4 * THICK * np.random.default_rng(1).standard_normal((97, 2))
+    spin, ramp = 2 * math.pi * turns / time, 0.1
+    turn = Motion(spin=(0, 0, spin), start=READY, ramp=ramp, duration=time + ramp)
+    march = march_of(
+        rod(nodes, THICK, STUFF, root=End(hold="clamped", motion=Motion()),
+            tip=End(hold="clamped", motion=turn), rest="straight"),
+        drag=500, viscous=3e-5, contact=Contact(self_contact=True, stiffness=3e6), safety=0.6,
+    )  # fmt: skip
+    driven, impedance = march.effects.driven, math.sqrt(STUFF.E * math.pi * THICK**2)
+
+    def look(until):
+        while march.time < until:
+            driven.reaction[:] = 0
+            some = round(2e-3 / march.dt)
+            march.advance(some)
+            now = load * min(1, march.time / (0.8 * READY))
+            driven.motion[0, 2] = (driven.reaction[0, 2] / some - now) / impedance
+        return min(max(0.0, turns * (march.time - READY - 0.5 * ramp) / time), turns)
+
+    return march, [partial(look, until) for until in np.linspace(0, READY + ramp + time, 41)[1:]]
+
+
+@pytest.mark.slow
+def test_plectoneme_from_8_turns_put_into_a_rod_of_40_radii_under_a_load_of_5_percent_strain():
+    """It buckles and winds up until a tenth of it is left; at every time twist + writhe are the
+    turns put in. (At the ninth it climbs over its clamp, which gives two back.)
+    """
+    march, looks = twisted_under_a_load(0.05 * STUFF.E * math.pi * THICK**2, 8.0, 20.0)
+    for look in looks:
+        assert look() == pytest.approx(sum(turns_of(march)), abs=2e-3)
+    twist, writhing = turns_of(march)
+    assert writhing > 3
+    assert closest(march) > 0.9
+    sums, differences = kinds_of_contact(march, THICK)
+    assert 4 * sums < differences  # wound to the ends, a few of its contacts are those of coils
+    show("plectoneme under a dead load, 8 turns put in", f"Tw {twist:.3f} + Wr {writhing:.3f}")
+
+
+@pytest.mark.slow
+def test_a_rod_bent_more_tightly_than_its_radius_is_named_before_it_loses_turns():
+    """15 % strain: it buckles under the couple 2 sqrt(B F) = 1.5 B/r, so into a kink, within which
+    a rod cannot touch itself. Two turns went with every kink.
+    """
+    load = 0.15 * STUFF.E * math.pi * THICK**2
+    march, looks = twisted_under_a_load(load, 10.0, 25.0)
+    with pytest.raises(Unstable, match="passes through itself") as caught:
+        [look() for look in looks]
+    assert (caught.value.effect, caught.value.mode) == ("elasticity", "bending")
+    assert 0 < caught.value.partner[1] - caught.value.element < math.pi * THICK / 0.01
+    put_in = 10.0 * (march.time - READY - 0.05) / 25.0
+    assert sum(turns_of(march)) == pytest.approx(put_in, abs=0.01)
+    bend, twist = rigidities(STUFF, THICK)
+    assert put_in == pytest.approx(math.sqrt(bend * load) / (math.pi * twist), rel=0.05)
 
 
 def test_solenoid_of_4_touching_coils_pulled_to_90_percent_turns_writhe_into_twist():
