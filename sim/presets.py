@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
+from sim.complaints import first_complaint
 from sim.errors import SceneError
 from sim.scene import (
     Contact,
@@ -24,7 +25,6 @@ from sim.scene import (
     Scene,
     Straight,
     Tine,
-    first_complaint,
 )
 
 NYLON_SCALED = 0.078 * 2.8e9  # Pa; the paper scales its simulated filaments by 0.078
@@ -214,7 +214,7 @@ def preset_scene(name: str, parameters: dict[str, Any]) -> Scene:
     SceneError
         There is no such preset, or a parameter is unknown or out of range.
     """
-    if name not in PRESETS:
+    if not isinstance(name, str) or name not in PRESETS:
         raise SceneError(f"preset = {name!r}: choose from {', '.join(PRESETS)}")
     try:
         return PRESETS[name](**parameters).scene()

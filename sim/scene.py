@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import tomllib
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from sim.complaints import first_complaint
 from sim.errors import SceneError
 
 Positive = Annotated[float, Field(gt=0)]
@@ -259,21 +259,6 @@ class Scene(Part):
         return self
 
 
-def first_complaint(error: ValidationError, model: type[BaseModel]) -> str:
-    """Return one line for the first thing pydantic found wrong: key, value, what would be right."""
-    problem = error.errors()[0]
-    key = ".".join(str(part) for part in problem["loc"]) or "scene"
-    if problem["type"] == "extra_forbidden":
-        near = get_close_matches(key, model.model_fields, 1)
-        hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(model.model_fields)}"
-        return f"{key}: unknown key; {hint}"
-    if problem["type"] == "missing":
-        return f"{key}: missing"
-    message = problem["msg"].removeprefix("Value error, ")
-    value = problem["input"]
-    return f"{key}: {message}" if isinstance(value, dict) else f"{key} = {value!r}: {message}"
-
-
 def read_toml(path: str | Path) -> dict[str, Any]:
     """Read a TOML file; say in one line why if that cannot be done.
 
@@ -286,8 +271,12 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         return tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise SceneError(f"{path}: no such file; expected a scene in TOML") from None
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read: {error.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: not a TOML file: {error}") from None
+        raise SceneError(
+            f"{path}: not a TOML file: {error}; numbers stand without units, text in quotes"
+        ) from None
 
 
 def load_scene(path: str | Path, *, seed: int | None = None, snapshots: int | None = None) -> Scene:
@@ -311,10 +300,11 @@ def load_scene(path: str | Path, *, seed: int | None = None, snapshots: int | No
     preset = table.pop("preset", None)
     if seed is not None:
         table["seed"] = seed
-    if snapshots is not None:
-        (table if preset else table.setdefault("output", {}))["snapshots"] = snapshots
+    output = table if preset is not None else table.setdefault("output", {})
+    if snapshots is not None and isinstance(output, dict):
+        output["snapshots"] = snapshots
     try:
-        return preset_scene(preset, table) if preset else Scene(**table)
+        return Scene(**table) if preset is None else preset_scene(preset, table)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
     except ValidationError as error:

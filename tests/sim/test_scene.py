@@ -12,6 +12,12 @@ from sim.scene import Scene
 from sim.shapes import random_curvature
 from sim.state import build
 
+ROD = (
+    "duration = 1\n"
+    "rods = [{radius = 1e-3, elements = 20, shape = {kind = 'straight', length = 0.1}, "
+    "material = {E = 1e6, density = 1e3}}]\n"
+)
+
 
 @pytest.mark.parametrize(
     ("text", "expected"),
@@ -25,6 +31,22 @@ from sim.state import build
         ("preset = 'curl'\nn = 400\nspread = 1e-4", "has no room for 400 hairs"),
         ("duration = 1", "rods: missing"),
         ("rods = [", "not a TOML file"),
+        ("preset = 'double_helix'\nheight = 0.15 m", "numbers stand without units"),
+        ("preset = ['curl']", "preset = ['curl']: choose from double_helix, curl"),
+        (ROD + "gravity = -9.81", "gravity = -9.81: three numbers in brackets"),
+        (ROD + "damping = 3", "damping = 3: a table is needed here, [damping]"),
+        (ROD + "[tines]\nradius = 1e-3", "tines: a list is needed here; if of tables, head each"),
+        (ROD + "[damping]\ndrags = 3", "damping.drags: unknown key; did you mean drag?"),
+        (ROD.replace("E =", "v = 0.4, E ="), "material.v: unknown key; known: E, nu, G, density,"),
+        (ROD.replace("straight", "strait"), "rods.0.shape.kind = 'strait': choose from 'helix'"),
+        (
+            ROD.replace("'straight', length = 0.1", "'points', nodes = [[0, 0, 0], [0, 1]]"),
+            "rods.0.shape.points.nodes.1: three numbers",
+        ),
+        (
+            ROD.replace("length = 0.1", "lenght = 0.1"),
+            "rods.0.shape.straight.length: missing",
+        ),
     ],
 )
 def test_a_wrong_scene_is_refused_in_one_line_that_names_file_key_and_cure(
