@@ -14,6 +14,8 @@ Strategy:
    a pixel where the colour changes (a rim, the border of two strands) has little say.
 """
 
+import math
+import mmap
 from dataclasses import dataclass
 from itertools import product
 
@@ -306,15 +308,28 @@ def _with_enough(
 
 def _membership(labels: np.ndarray, coverage: np.ndarray, count: int) -> np.ndarray:
     """Coverage of each colour: shared out by who owns the nearest strand pixels."""
-    membership = np.zeros((count, *labels.shape), np.float32)
+    membership = _sparse_zeros((count, *labels.shape))
     total = np.maximum(_around((labels > 0).view(np.uint8)), 1)
     for colour in range(count):
         own = (labels == colour + 1).view(np.uint8)
         x, y, w, h = cv2.boundingRect(own)
         box = np.s_[max(y - 1, 0) : y + h + 1, max(x - 1, 0) : x + w + 1]
         share = cv2.divide(_around(own[box]), total[box], dtype=cv2.CV_32F)
-        cv2.multiply(share, coverage[box], dst=membership[colour][box])
+        cv2.multiply(share, coverage[box], dst=share)
+        at = np.flatnonzero(share)
+        row, column = np.divmod(at, share.shape[1])
+        place = (row + box[0].start) * labels.shape[1] + column + box[1].start
+        membership[colour].reshape(-1)[place] = share.ravel()[at]
     return membership
+
+
+def _sparse_zeros(shape: tuple[int, ...]) -> np.ndarray:
+    """Zeros (float32) of which only the pages of 4 KB that are written to take memory.
+
+    numpy asks for pages of 2 MB, in which every row of a large picture is touched by some strand.
+    """
+    memory = mmap.mmap(-1, 4 * math.prod(shape), access=mmap.ACCESS_COPY)
+    return np.frombuffer(memory, np.float32).reshape(shape)
 
 
 def _around(mask: np.ndarray) -> np.ndarray:
