@@ -197,17 +197,15 @@ def _verdict(for_a: int, for_b: int) -> tuple[float, float]:
 
 
 def _labels_in_overlap(hit: Hit, lines: list[np.ndarray], segmentation: Segmentation) -> np.ndarray:
-    """Labels of the pixels near both centrelines around a crossing."""
+    """Labels of the strand pixels near both centrelines around a crossing."""
     width, labels = segmentation.width, segmentation.labels
     reach = int(np.ceil(min(width / np.sin(max(hit.angle, 0.1)), 6 * width)))
     x0, y0 = max(round(hit.x) - reach, 0), max(round(hit.y) - reach, 0)
-    box = labels[y0 : y0 + 2 * reach + 1, x0 : x0 + 2 * reach + 1]
-    ys, xs = np.mgrid[y0 : y0 + box.shape[0], x0 : x0 + box.shape[1]]
-    points = np.stack([xs.ravel(), ys.ravel()], axis=1)
-    both = np.ones(len(points), bool)
+    ys, xs = np.nonzero(labels[y0 : y0 + 2 * reach + 1, x0 : x0 + 2 * reach + 1])
+    points = np.stack([xs + x0, ys + y0], axis=1)
     for strand in (hit.strand_a, hit.strand_b):
         line = lines[strand - 1]
         near = np.abs(line - [hit.x, hit.y]).max(axis=1) <= 2 * reach
         distance, _ = cKDTree(line[near]).query(points, distance_upper_bound=CORE * width)
-        both &= np.isfinite(distance)
-    return box.ravel()[both]
+        points = points[np.isfinite(distance)]
+    return labels[points[:, 1], points[:, 0]]
