@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from sim.explicit import Explicit
-from sim.kernels.tine import travelled
+from sim.kernels.overlap import press
+from sim.kernels.tine import press_damped, travelled
 from sim.scene import Contact, Damping, End, Friction, Load, Material, Rod, Scene, Straight, Tine
 
 DRAG = 30.0
@@ -72,6 +73,16 @@ def test_a_strand_thrown_at_a_damped_tine_comes_back_as_a_dashpot_lets_it(bounce
     np.testing.assert_allclose(after, 0.5 * kept, rtol=0.01)
     gained = np.sum(march.state.row("MASS")[at] * (after + 0.5))
     assert march.take_load()[0, 0] * march.dt == pytest.approx(-gained, rel=1e-9)
+
+
+def test_a_dashpot_of_no_strength_presses_as_the_bare_spring(rng):
+    """Contact that the tine's growth or the strand's approach would deepen, at T = 0."""
+    for _ in range(20):
+        p0, p1, q0, q1, v0, v1 = (tuple(row) for row in rng.standard_normal((6, 3)))
+        bare = press(p0, p1, q0, q1, 0.1, 0.8, 1.5, 7.0)
+        damped = press_damped(p0, p1, q0, q1, v0, v1, 0.3, 0.1, 0.8, 1.5, 7.0, 0.0)
+        for mine, theirs in zip(damped, (bare[0], bare[1], *bare[3:]), strict=True):
+            np.testing.assert_allclose(mine, theirs, rtol=1e-12, atol=1e-14)
 
 
 def test_two_tines_of_a_comb_feel_what_each_would_feel_alone():
