@@ -40,11 +40,11 @@ def resample(line: np.ndarray, step: float = 1.0) -> np.ndarray:
 
 def normals(line: np.ndarray) -> np.ndarray:
     """Return unit normals (n, 2): the tangent turned from x towards y."""
-    tangent = np.empty(line.shape)
-    tangent[0], tangent[-1] = line[1] - line[0], line[-1] - line[-2]
-    tangent[1:-1] = line[2:] - line[:-2]
-    tangent /= np.maximum(np.hypot(*tangent.T), 1e-9)[:, None]
-    return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    along = np.empty((2, len(line)))
+    along[:, 0], along[:, -1] = line[1] - line[0], line[-1] - line[-2]
+    along[:, 1:-1] = (line[2:] - line[:-2]).T
+    along /= np.maximum(np.sqrt((along**2).sum(axis=0)), 1e-9)
+    return np.stack([-along[1], along[0]], axis=1)
 
 
 def edges(

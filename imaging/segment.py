@@ -157,14 +157,23 @@ def _coverage(
             "photograph the strands on a plain surface of another colour"
         )
     coarse = smooth > max(threshold, FAINT * float(np.percentile(smooth[coarse], 75)))
-    coverage = _against_ridge(contrast, smooth, coarse)
+    box = _around_all(coarse)
+    coverage = _against_ridge(contrast[box], smooth[box], coarse[box])
     strand = coverage > EDGE
     width = _typical_width(_inside(strand))
     long = _without_dirt(strand, width)
     if not long.any():
         raise Unmeasurable(f"{source}: {NO_STRAND}")
     keep = cv2.dilate(long, np.ones((5, 5), np.uint8))
-    return np.multiply(coverage, keep, out=coverage), width
+    whole = np.zeros(contrast.shape, np.float32)
+    np.multiply(coverage, keep, out=whole[box])
+    return whole, width
+
+
+def _around_all(mask: np.ndarray) -> tuple[slice, slice]:
+    """Rows and columns that hold all of a mask and, but at the picture's border, a rim."""
+    x, y, w, h = cv2.boundingRect(mask.view(np.uint8))
+    return np.s_[max(y - 2, 0) : y + h + 2, max(x - 2, 0) : x + w + 2]
 
 
 def _against_ridge(contrast: np.ndarray, smooth: np.ndarray, coarse: np.ndarray) -> np.ndarray:
