@@ -12,6 +12,7 @@ RIM = 5  # empty cells around the histogram, more than its smoothing reaches
 LIGHTNESS_WEIGHT = 0.35  # of log(L + 16) beside (a, b)/(L + 16)
 PROMINENCE = 0.5  # a mode of the histogram must rise this far above the pass to a higher one
 SPREAD = 0.2  # strand widths; how far a pixel's vote reaches (sd)
+BAND = 512  # rows in which votes are counted at once
 BLUR = 0.9  # px; votes reach at least as far as a lens blurs
 RIDGE_SHARE = 0.02  # of all ridge pixels, below which a colour is not a strand
 
@@ -161,14 +162,34 @@ def vote(
     nearest = _nearest(features, centres)
     y, x = np.divmod(np.flatnonzero(strand), strand.shape[1])
     sigma = max(SPREAD * width, BLUR)
+    reach = int(np.ceil(5 * sigma))
     labels = np.zeros(strand.shape, np.uint8)
-    most = np.zeros(strand.shape, np.float32)
-    for colour in np.unique(nearest).tolist():
-        own = nearest == colour
-        votes, box = _spread_out(y[own], x[own], weight[own], strand.shape, sigma)
+    for top in range(0, len(strand), BAND):  # the box around a strand holds little else there
+        low, high = max(top - reach, 0), min(top + BAND + reach, len(strand))
+        near = slice(*np.searchsorted(y, [low, high]).tolist())
+        shape = high - low, strand.shape[1]
+        won = _most_votes(nearest[near], y[near] - low, x[near], weight[near], shape, sigma)
+        labels[top : top + BAND] = won[top - low : top - low + BAND]
+    return np.where(strand, labels, np.uint8(0))
+
+
+def _most_votes(
+    colours: np.ndarray,
+    y: np.ndarray,
+    x: np.ndarray,
+    weight: np.ndarray,
+    shape: tuple[int, int],
+    sigma: float,
+) -> np.ndarray:
+    """1 + the colour of which most is seen around each pixel of a picture, 0 where none is."""
+    labels = np.zeros(shape, np.uint8)
+    most = np.zeros(shape, np.float32)
+    for colour in np.unique(colours).tolist():
+        own = colours == colour
+        votes, box = _spread_out(y[own], x[own], weight[own], shape, sigma)
         np.copyto(labels[box], colour + 1, where=votes > most[box])
         np.maximum(votes, most[box], out=most[box])
-    return np.where(strand, labels, np.uint8(0))
+    return labels
 
 
 def _nearest(features: np.ndarray, centres: np.ndarray) -> np.ndarray:
