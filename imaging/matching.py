@@ -23,25 +23,21 @@ FARTHEST = 60.0  # strand widths
 Gain = tuple[int, int, float]  # a possible join: two ends, and how much less it costs than none
 
 
-def join(
-    ends: list[End], lengths: Sequence[float], gains: Iterable[Gain], width: float
-) -> list[tuple[int, int]]:
+def join(ends: list[End], refunds: Iterable[float], gains: Iterable[Gain]) -> list[tuple[int, int]]:
     """Choose the joins of least total cost.
 
-    Each end is joined at most once. A strand that ends costs the same everywhere; a short piece may
-    be left out of every strand more cheaply, as an edge between its own two ends. The best set is a
+    Each end is joined at most once. A strand that ends costs the same everywhere; a piece that may
+    be left out of every strand has an edge between its own two ends. The best set is a
     maximum-weight matching (Edmonds' blossom algorithm).
 
     Parameters
     ----------
     ends : list of End
         Those of piece i are 2 i and 2 i + 1.
-    lengths : sequence of float
-        Of the pieces [px].
+    refunds : iterable of float
+        From `refund`, one a piece.
     gains : iterable of (int, int, float)
         Joins to choose from.
-    width : float
-        Strand width [px].
 
     Returns
     -------
@@ -51,15 +47,24 @@ def join(
     graph = nx.Graph()
     for i, j, gain in gains:
         graph.add_edge(i, j, weight=gain)
-    for i, length in enumerate(lengths):
-        if length < LONG * width:
-            graph.add_edge(2 * i, 2 * i + 1, weight=2 * GIVE_UP * (1 - length / (LONG * width)))
+    for i, weight in enumerate(refunds):
+        if weight > 0:
+            graph.add_edge(2 * i, 2 * i + 1, weight=weight)
     joins = [
         (min(a, b), max(a, b))
         for part in nx.connected_components(graph)
         for a, b in nx.max_weight_matching(graph.subgraph(part))
     ]
     return _without_rings(sorted(j for j in joins if j[0] // 2 != j[1] // 2), graph, ends)
+
+
+def refund(length: float, broad: bool, width: float) -> float:
+    """How much less it costs to leave a piece out than to let it be a strand.
+
+    A short piece may be a speck; a broad one holds two strands of one colour side by side, which
+    may both be joined past it.
+    """
+    return 2 * GIVE_UP * (1 if broad else max(1 - length / (LONG * width), 0))
 
 
 def within_colour(

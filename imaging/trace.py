@@ -17,7 +17,7 @@ from imaging.branches import End, branches, ends_of
 from imaging.centreline import arclength, normals, refine, sample
 from imaging.contact import known as know
 from imaging.contact import place
-from imaging.matching import bridge, chains, join, within_colour
+from imaging.matching import bridge, chains, join, refund, within_colour
 from imaging.photo import Photo
 from imaging.segment import Segmentation
 from imaging.two_tone import head_on, own_membership
@@ -26,6 +26,7 @@ ROUNDS = 2  # of placing strands by what the others leave unexplained
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
 WHOLE = 3.0  # strand widths on which most of the width must be seen; else it is another's rim
 SEEN = 0.1  # of the length, the same
+BROAD = 1.3  # strand widths; what is seen of a colour there is two strands side by side
 SHARE = 0.3  # of the longest strand of the same colour; a shorter piece is a remnant
 
 
@@ -134,13 +135,37 @@ def _lines(
     paths, colours = [path for path, _ in pieces], [colour for _, colour in pieces]
     ends = ends_of(paths, width)
     gains = head_on(ends, np.repeat(colours, 2), coverage, width)
+    refunds = []
     for colour in range(len(segmentation.colours)):
+        own = labels == colour + 1
+        broad = _broad(own, width)
         first, last = np.searchsorted(colours, [colour, colour + 1]).tolist()
-        within = within_colour(ends[2 * first : 2 * last], covered, labels == colour + 1, width)
+        refunds += [refund(*_extent(path, broad), width) for path in paths[first:last]]
+        within = within_colour(ends[2 * first : 2 * last], covered, own & ~broad, width)
         gains += [(i + 2 * first, j + 2 * first, gain) for i, j, gain in within]
-    lengths = [arclength(path)[-1] for path in paths]
-    found = chains(len(paths), join(ends, lengths, gains, width))
+    found = chains(len(paths), join(ends, refunds, gains))
     return _long_enough([_connected(walk, pieces, ends) for walk in found], width)
+
+
+def _broad(mask: np.ndarray, width: float) -> np.ndarray:
+    """Where what is seen of a colour is broader than one strand: two of them side by side."""
+    broad = np.zeros_like(mask)
+    x, y, w, h = cv2.boundingRect(mask.astype(np.uint8))
+    box = np.s_[y : y + h, x : x + w]
+    depth = cv2.distanceTransform(np.pad(mask[box], 1).astype(np.uint8), cv2.DIST_L2, 5)
+    core = depth[1:-1, 1:-1] > 0.5 * (BROAD * width + 1)  # depths count from pixel centres
+    if core.any():
+        away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
+        broad[box] = away < 0.75 * width
+    return broad
+
+
+def _extent(path: np.ndarray, broad: np.ndarray) -> tuple[float, bool]:
+    """Length of a piece [px], and whether most of it is broad."""
+    x, y = np.rint(path).astype(int).T
+    last_y, last_x = np.subtract(broad.shape, 1)
+    inside = broad[y.clip(0, last_y), x.clip(0, last_x)]
+    return float(arclength(path)[-1]), bool(inside.mean() > 0.5)
 
 
 def _pieces(segmentation: Segmentation, coverage: np.ndarray) -> list[tuple[np.ndarray, int]]:

@@ -8,7 +8,7 @@ from imaging import Photo, crossings, segment, trace
 from imaging.branches import ends_of
 from imaging.centreline import resample
 from imaging.contact import Known, place
-from imaging.matching import join, within_colour
+from imaging.matching import join, refund, within_colour
 from imaging.synthetic import render
 
 RED, GREEN = (0.85, 0.1, 0.2), (0.1, 0.6, 0.25)
@@ -81,5 +81,6 @@ def test_a_strand_does_not_end_in_a_speck():
     covered, own = np.ones((260, 100), bool), np.zeros((260, 100), bool)
     ends = ends_of(pieces, 5)
     gains = within_colour(ends, covered, own, 5.0)
-    joins = join(ends, [99.0, 3.0, 3.0, 99.0], gains, 5.0)
+    refunds = [refund(length, False, 5.0) for length in (99.0, 3.0, 3.0, 99.0)]
+    joins = join(ends, refunds, gains)
     assert joins == [(1, 6)]

@@ -88,6 +88,18 @@ def test_a_twisted_pair_is_two_strands(radius, background):
         assert np.ptp(strand.line[:, 1]) > (90 - 18) * radius
 
 
+def test_two_strands_of_one_colour_side_by_side_are_two():
+    """Along twenty-five widths they touch and look like one strand twice as wide."""
+    y = np.linspace(20, 580, 900)
+    apart = 2.9 + 30 * ((np.abs(y - 300) - 75).clip(0) / 100) ** 2
+    lines = [np.stack([230 + side * apart, y], axis=1) for side in (-1, 1)]
+    flat = np.zeros(len(y))
+    strands, _ = traced(lines, [flat, flat], [BLUE, BLUE], radius=3, shape=(600, 460))
+    assert len(strands) == 2
+    for strand in strands:
+        assert np.ptp(strand.line[:, 1]) > 550
+
+
 def test_ends_are_free_clipped_or_hidden():
     y = np.linspace(-10, 200, 300)
     clipped = np.stack([np.full(300, 60.0), y], axis=1)

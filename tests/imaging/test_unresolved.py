@@ -109,7 +109,9 @@ def test_a_loop_that_lies_on_itself():
     back = np.stack([x, 50.2 + 60 * ((x - 120) / 200) ** 2], axis=1)[::-1]
     line = np.concatenate([there, turn, back])
     n = len(line)
-    loop = Strand(line, np.full(n, WIDTH), np.full(n, 0.4), np.full(n, 2), np.zeros(n, int), ("free", "free"))
+    loop = Strand(
+        line, np.full(n, WIDTH), np.full(n, 0.4), np.full(n, 2), np.zeros(n, int), ("free", "free")
+    )
     (row,) = unresolved([loop], crossings([loop])).to_dict("records")
     assert (row["kind"], row["strand_a"], row["strand_b"], row["crossings"]) == ("self", 1, 1, 0)
     # 60 ((x - 120) / 200)^2 + 0.2 < 2 sqrt(0.4^2 + 0.4^2) within 25 px of x = 120
