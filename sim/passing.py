@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from sim.explicit import Explicit
 
 Pairs = NDArray[np.int64]
-ROOM = 256  # pairs that are kept; a contact that gives way is one of a few
+ROOM = 16  # pairs at first; a contact that gives way is one of a few
 NONE = np.zeros((0, 2), np.int64)
 NEXT_TO = 2  # elements: as far as an overlap slides along a strand between two looks
 
@@ -25,8 +26,7 @@ def deep_pairs(march: Explicit) -> Pairs:
     """Return the pairs of elements nearer than half the contact distance, (m, 2)."""
     if march.contact is None:
         return NONE
-    found = np.zeros((ROOM, 2), np.int64)
-    return found[: kernels.deep_pairs(march.state.buf, march.state.n, march.contact, found)]
+    return _all_of(kernels.deep_pairs, march)
 
 
 def tight_bends(march: Explicit) -> Pairs:
@@ -37,8 +37,18 @@ def tight_bends(march: Explicit) -> Pairs:
     contact = march.contact
     if contact is None or math.isinf(contact.self_gap):
         return NONE
-    found = np.zeros((ROOM, 2), np.int64)
-    return found[: kernels.tight_bends(march.state.buf, march.state.n, contact, found)]
+    return _all_of(kernels.tight_bends, march)
+
+
+def _all_of(find: Callable[..., int], march: Explicit) -> Pairs:
+    """Return all pairs that a kernel finds, making room when there are more than expected."""
+    room = ROOM
+    while True:
+        found = np.zeros((room, 2), np.int64)
+        count = find(march.state.buf, march.state.n, march.contact, found)
+        if count <= room:
+            return found[:count]
+        room = count
 
 
 def newcomer(now: Pairs, before: Pairs) -> tuple[int, int] | None:

@@ -64,14 +64,21 @@ def is_tip(buf, a, s):
 
 
 @kernel
+def note(found, count, a, b):
+    """Put a pair behind `count` others if there is room, and return how many there are then."""
+    if count < found.shape[0]:
+        found[count, 0], found[count, 1] = a, b
+    return count + 1
+
+
+@kernel
 def deep_pairs(buf, n, contact, found):
-    """Fill `found` (m, 2) with the listed pairs nearer than DEEP of touching, return how many."""
+    """Fill `found` (m, 2) with listed pairs nearer than DEEP of touching; return their number."""
     count = 0
     for k in range(contact.pairs.shape[1]):
         a, b = contact.pairs[0, k], contact.pairs[1, k]
-        if nearness(buf, a, b, contact) < DEEP * DEEP and count < found.shape[0]:
-            found[count, 0], found[count, 1] = a, b
-            count += 1
+        if nearness(buf, a, b, contact) < DEEP * DEEP:
+            count = note(found, count, a, b)
     return count
 
 
@@ -94,15 +101,14 @@ def tightness(buf, a, b, contact):
 @kernel
 def tight_bends(buf, n, contact, found):
     """Fill `found` (m, 2) with pairs of one rod too near along it for contact, whose tightness is
-    below DEEP, and return how many.
+    below DEEP; return their number.
     """
     count = 0
     for a in range(n):
         b = a + 2
         while contact.rod[a] >= 0 and is_within(contact, a, b, n):
-            if tightness(buf, a, b, contact) < DEEP and count < found.shape[0]:
-                found[count, 0], found[count, 1] = a, b
-                count += 1
+            if tightness(buf, a, b, contact) < DEEP:
+                count = note(found, count, a, b)
             b += 1
     return count
 

@@ -11,6 +11,7 @@ import sim
 from sim.diagnosis import by_effect, internal
 from sim.explicit import Explicit
 from sim.kernels.march import Gravity
+from sim.passing import ROOM, deep_pairs
 from sim.scene import (
     Contact,
     Damping,
@@ -131,6 +132,14 @@ def test_a_crossing_loaded_beyond_what_it_bears_is_named_before_strands_pass_thr
     assert load == pytest.approx(0.82 * most, rel=0.1)  # the integral at that distance
     assert bears == pytest.approx(2.2 * k * R**2 / sine(march), rel=0.01)  # it has turned
     assert "contact.stiffness" in str(error)
+
+
+def test_strands_that_lie_in_each_other_all_along_may_start():
+    """More pairs than there is room for at first are all known, and none is new a step later."""
+    march = Explicit(pair(0.2 * R, elements=40))
+    assert len(deep_pairs(march)) > 100 > ROOM
+    march.advance(3)
+    assert len(deep_pairs(march)) == 0
 
 
 def test_strands_that_start_in_each_other_are_pushed_apart_unless_they_go_in_again():
