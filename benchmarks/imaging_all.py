@@ -12,6 +12,7 @@ from those beside it.)
 
 import argparse
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -134,7 +135,7 @@ def hard_score(photo: Photo, lines: list[np.ndarray]) -> tuple[int, str]:
     """Strands that are right, and the first word of each note."""
     found = measure(photo)
     right = sum(imaging_curls.right(line, found.strands) for line in lines)
-    return right, "".join(f", {note.split(':')[0].split(';')[0]}" for note in found.notes)
+    return right, "".join(f", {re.split('[:;,]', note)[0]}" for note in found.notes)
 
 
 def sheet(tiles: Sequence[Tile], path: Path) -> None:

@@ -145,7 +145,10 @@ def contact_notes(contacts: pd.DataFrame, found: pd.DataFrame | None) -> list[st
     """Say between which strands contact is unresolved, and how many interactions rest on it."""
     if len(contacts) == 0:
         return []
-    pairs = dict.fromkeys(f"{row.strand_a} and {row.strand_b}" for row in contacts.itertuples())
+    pairs = dict.fromkeys(
+        f"{row.strand_a} and {row.strand_b if row.kind == 'inter' else 'itself'}"
+        for row in contacts.itertuples()
+    )
     note = (
         f"unresolved contact in {len(contacts)} place{'s' * (len(contacts) > 1)}, how often or "
         f"where these strands cross is a guess: {', '.join(pairs)}"
