@@ -11,7 +11,7 @@ from PIL import ExifTags, Image, UnidentifiedImageError
 
 from imaging.errors import Unmeasurable
 
-MAX_PIXELS = 50_000_000  # answered from the file's head; some 100 bytes a pixel are needed later
+MAX_PIXELS = 50_000_000  # answered from the file's head; some 50 bytes a pixel are needed later
 RAW_SUFFIXES = (".arw", ".cr2", ".cr3", ".dng", ".nef", ".orf", ".raf", ".rw2")
 HEIF_SUFFIXES = (".heic", ".heif")
 COMMON_SUFFIXES = (".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
