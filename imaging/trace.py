@@ -26,7 +26,8 @@ ROUNDS = 2  # of placing strands by what the others leave unexplained
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
 WHOLE = 3.0  # strand widths on which most of the width must be seen; else it is another's rim
 SEEN = 0.1  # of the length, the same
-BROAD = 1.3  # strand widths; what is seen of a colour there is two strands side by side
+BROAD = 1.3  # strand widths; what is seen of a colour there is two strands side by side,
+SIDE_BY_SIDE = 3.0  # strand widths; if for longer: the parts of a twisted pair are bellied
 SHARE = 0.3  # of the longest strand of the same colour; a shorter piece is a remnant
 
 
@@ -154,6 +155,9 @@ def _broad(mask: np.ndarray, width: float) -> np.ndarray:
     box = np.s_[y : y + h, x : x + w]
     depth = cv2.distanceTransform(np.pad(mask[box], 1).astype(np.uint8), cv2.DIST_L2, 5)
     core = depth[1:-1, 1:-1] > 0.5 * (BROAD * width + 1)  # depths count from pixel centres
+    _, number, stats, _ = cv2.connectedComponentsWithStats(core.astype(np.uint8))
+    extent = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
+    core &= (extent > SIDE_BY_SIDE * width)[number]
     if core.any():
         away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
         broad[box] = away < 0.75 * width
