@@ -303,3 +303,21 @@ def test_frames_are_orthonormal_untwisted_and_tangent(rng):
 def test_rows_of_the_buffer_do_not_overlap():
     offsets = [layout.ROW[name] for name in layout.ROW]
     assert sorted(offsets) == list(range(layout.ROWS))
+
+
+def test_two_drifts_in_one_go_are_two_drifts(rng):
+    """Turns of up to two radians each: far beyond those of a step."""
+    strand = Rod(
+        shape=Straight(length=0.1), radius=1e-3, elements=9, material=Material(E=1e7, density=1000)
+    )
+    state = build(Scene(rods=[strand], duration=1))
+    for name in ["V0", "V1", "V2", "W0", "W1", "W2"]:
+        state.row(name)[:] = rng.normal(0, 1, state.n)
+    before = state.used().copy()
+    rod.drift(state.buf, state.n, 1.0)
+    rod.drift(state.buf, state.n, 1.0)
+    one_by_one = state.used().copy()
+    state.used()[:] = before
+    rod.drift_twice(state.buf, state.n, 1.0)
+    assert np.abs(one_by_one - before).max() > 1
+    np.testing.assert_allclose(state.used(), one_by_one, rtol=0, atol=2e-14)
