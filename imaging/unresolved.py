@@ -146,8 +146,8 @@ def contact_notes(contacts: pd.DataFrame, found: pd.DataFrame | None) -> list[st
     if len(contacts) == 0:
         return []
     pairs = dict.fromkeys(
-        f"{row.strand_a} and {row.strand_b if row.kind == 'inter' else 'itself'}"
-        for row in contacts.itertuples()
+        f"{row['strand_a']} and {row['strand_b'] if row['kind'] == 'inter' else 'itself'}"
+        for row in contacts.to_dict("records")
     )
     note = (
         f"unresolved contact in {len(contacts)} place{'s' * (len(contacts) > 1)}, how often or "
