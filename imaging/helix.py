@@ -222,7 +222,8 @@ def _fit_all(membership: np.ndarray, start: Start, hidden: Mask) -> tuple[Fit, E
         )
     held = _held(model, valid)
     edges = find_edges(membership, model, valid, max(2.0, 0.7 * start.r))
-    fitted = fit(model, edges, first_prior(model, held))
+    prior = replace(first_prior(model, held), seen=_seen(model, valid, start))
+    fitted = fit(model, edges, prior)
     edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
     fitted = fit_best(fitted, edges, held)
     edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
@@ -275,6 +276,21 @@ def _held(model: Model, valid: Mask) -> dict[str, Mask]:
         across = (first[:, None] <= cuts) & (last[:, None] > cuts)
         held[name] = np.ones(len(first), bool) if name == "mid" else ~across.any(axis=1)
     return held
+
+
+def _seen(model: Model, valid: Mask, start: Start) -> tuple[Array, Array]:
+    """Weights [1/px^2] and values [px] that hold the axis to the middle of what is seen.
+
+    To within a strand's radius, and only farther than half a pitch from what is fitted.
+    """
+    s, fitted = start.axis.s, start.axis.s[valid]
+    middles = model.layout.mid[2:-2]
+    after = np.searchsorted(fitted, middles)
+    away = np.minimum(
+        np.abs(middles - fitted[np.clip(after, 0, len(fitted) - 1)]),
+        np.abs(middles - fitted[np.clip(after - 1, 0, len(fitted) - 1)]),
+    )
+    return (away > start.pitch / 2) / start.r**2, np.interp(middles, s, start.middle)
 
 
 def _per_pixel(scale: float | Scale | None) -> tuple[float, float, str]:

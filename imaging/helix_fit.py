@@ -65,7 +65,7 @@ def fit_best(first: Fit, edges: Edges, held: dict[str, Mask], rounds: int = 6) -
     Smooth changes may then be smoother here than there; many weights would not be compared fairly
     with one. How much the lean may vary is taken anew from the bends of the axis fitted first.
     """
-    prior = first_prior(first.model, held)
+    prior = replace(first_prior(first.model, held), seen=first.prior.seen)
     smooth = fit(first.model, edges, replace(prior, weights=first.prior.weights), rounds)
     # From a slack prior, or the smooth fit would hold the local weights alike.
     abrupt = fit(smooth.model, edges, prior.fresh(ABRUPT), 2 * rounds)
@@ -94,6 +94,8 @@ def fit(model: Model, edges: Edges, prior: Prior, rounds: int = 6) -> Fit:
         noise, correlation, precision = _noise(model, residual, edges)
         information = (design.T @ diags(precision) @ design).toarray()
         target = design.T @ (precision * residual) + information @ model.beta
+        if prior.seen is not None:
+            target[model.layout.blocks["mid"]] += np.prod(prior.seen, axis=0)
         beta, covariance, prior = _penalised(model, information, target, prior)
         model = model.moved(beta)
     freedom = _freedom(model, information, covariance)
@@ -243,6 +245,8 @@ def _stiffened(model: Model, information: Array, prior: Prior) -> Array:
     matrix = information + np.diag(_ridge(information))
     for name, penalty in prior.penalties().items():
         matrix[blocks[name], blocks[name]] += penalty
+    if prior.seen is not None:
+        matrix[blocks["mid"], blocks["mid"]] += np.diag(prior.seen[0])
     facing = blocks["lean"]
     matrix[facing, facing] += np.eye(facing.stop - facing.start) / FACING**2
     sides = np.kron(np.eye(4), [[1.0, -1.0], [-1.0, 1.0]])

@@ -32,12 +32,16 @@ class Prior:
     Student's distribution with ABRUPT degrees of freedom, so that the local weight falls where a
     step is seen and the rest stays smooth. Those of the phase have ``tail`` degrees of freedom:
     where the link density varies smoothly, a Gaussian's (SMOOTH) describe them.
+
+    Where nothing is fitted the axis would run on as straight as it came. ``seen`` are weights and
+    values that hold its coefficients there to the middle of what is seen.
     """
 
     differences: dict[str, Array]
     groups: dict[str, np.ndarray]
     reach: dict[str, float]
     tail: float = ABRUPT
+    seen: tuple[Array, Array] | None = None
     weights: dict[str, Array] = field(default_factory=dict)
     local: dict[str, Array] = field(default_factory=dict)
 
@@ -97,7 +101,7 @@ class Prior:
 
     def fresh(self, tail: float) -> "Prior":
         """Return the prior with nothing estimated yet, and this ``tail`` of the phase's."""
-        return Prior(self.differences, self.groups, self.reach, tail)
+        return Prior(self.differences, self.groups, self.reach, tail, self.seen)
 
     def expected(self, beta: dict[str, Array], covariance: dict[str, Array]) -> float:
         """Mean log density of unknowns with these means and covariances (a lower bound).

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from imaging import Photo, Segmentation, Unmeasurable
 from imaging.helix import helix
@@ -107,3 +108,27 @@ def test_without_a_tine_there_is_no_jump():
 def test_as_many_positions_as_frames():
     with pytest.raises(Unmeasurable, match="1 tine positions for 2 photographs"):
         helix_sequence([None, None], [0.1])
+
+
+def test_behind_a_kink_the_axis_stays_between_the_strands_that_are_seen():
+    """The strands hang apart down to the tine and are wound beyond it, aslant."""
+    place = 0.5 * LENGTH
+
+    def link(s):
+        return np.where(s < place, 0.0, 1 / PITCH)
+
+    def radius(s):
+        return R * (1 + 2 / (1 + np.exp((s - place) / (0.1 * PITCH))))
+
+    def heading(s):
+        return -1.2 * np.clip((s - place) / PITCH, 0, 1)
+
+    picture = draw_helix(R, link, LENGTH, helix_radius=radius, heading=heading, rng=8)
+    found = helix(exact(picture))
+    # Where strands that lie apart are cut off, their midline is not known.
+    behind = found.phase["s"].between(6 * R, place - PITCH).to_numpy()
+    assert behind.sum() > 20
+    truth = picture.truth[["x", "y"]].to_numpy()
+    apart = cKDTree(truth).query(found.axis[behind])[0]
+    assert apart.max() < R
+    assert found.phase["s"].iloc[-1] == pytest.approx(LENGTH, rel=0.02)
