@@ -99,6 +99,11 @@ def _junctions(skeleton: np.ndarray) -> np.ndarray:
     return _neighbours(skeleton) > 2
 
 
+def _grown(mask: np.ndarray) -> np.ndarray:
+    """Mask with all eight neighbours of its pixels."""
+    return cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8)) > 0
+
+
 def _near(points: np.ndarray, radius: float) -> np.ndarray:
     if not points.any():
         return points
@@ -110,12 +115,12 @@ def _without_spurs(skeleton: np.ndarray, width: float) -> np.ndarray:
     junctions = _junctions(skeleton)
     if not junctions.any():
         return skeleton
-    knots = cv2.dilate(junctions.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    knots = _grown(junctions)
     arms = (skeleton & ~knots).astype(np.uint8)
     _, number, stats, _ = cv2.connectedComponentsWithStats(arms, connectivity=8)
     short = stats[:, cv2.CC_STAT_AREA] < 0.6 * width
     loose = np.bincount(number[_neighbours(skeleton) == 1], minlength=len(short)) > 0
-    bound = np.bincount(number[_near(knots, 1.5) & ~knots], minlength=len(short)) > 0
+    bound = np.bincount(number[_grown(knots) & ~knots], minlength=len(short)) > 0
     spur = short & loose & bound
     spur[0] = False
     return skeletonize(skeleton & ~spur[number]) if spur.any() else skeleton

@@ -155,6 +155,8 @@ def _broad(mask: np.ndarray, width: float) -> np.ndarray:
     box = np.s_[y : y + h, x : x + w]
     depth = cv2.distanceTransform(np.pad(mask[box], 1).astype(np.uint8), cv2.DIST_L2, 5)
     core = depth[1:-1, 1:-1] > 0.5 * (BROAD * width + 1)  # depths count from pixel centres
+    if not core.any():
+        return broad
     _, number, stats, _ = cv2.connectedComponentsWithStats(core.astype(np.uint8))
     extent = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
     core &= (extent > SIDE_BY_SIDE * width)[number]
