@@ -47,7 +47,7 @@ def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str |
     """Return decimal and thousands mark (None if nothing is grouped), or None in any doubt.
 
     A mark groups thousands only where every single one of it stands in a regular number such as
-    1,424.96 or 1.629.770,85.
+    1,424.96 or 1.629.770,85, and no number as large goes without.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str |
     text = np.frombuffer(data, dtype=np.uint8)
     for group, decimal in ((COMMA, POINT), (POINT, COMMA)):
         if _grouped(text, _places(text, start, group), decimal):
-            return chr(decimal), chr(group)
+            return None if _some_ungrouped(text, start, decimal) else (chr(decimal), chr(group))
     return None
 
 
@@ -81,13 +81,15 @@ def _between_commas(data: mmap | bytes, start: int, point: bool) -> tuple[str, s
     for inner in (_not_after_quotes, _within_quotes):
         grouped = _grouped(text, inner(text, start), POINT)
         if grouped:
-            return ".", ","
+            return None if _some_ungrouped(text, start, POINT) else (".", ",")
         if grouped is not None:
             proven = not point or _proven(POINT_BETWEEN_COMMAS, data, start)
             return (".", None) if proven else None
     if not point:
         return (",", None) if _proven(COMMA_IN_QUOTES, data, start) else None
-    return (",", ".") if _grouped(text, _places(text, start, POINT), COMMA) else None
+    if not _grouped(text, _places(text, start, POINT), COMMA):
+        return None
+    return None if _some_ungrouped(text, start, COMMA) else (",", ".")
 
 
 def _grouped(text: np.ndarray, places: Iterator[np.ndarray], decimal: int) -> bool | None:
@@ -98,6 +100,17 @@ def _grouped(text: np.ndarray, places: Iterator[np.ndarray], decimal: int) -> bo
             return None
         found |= len(some) > 0
     return found
+
+
+def _some_ungrouped(text: np.ndarray, start: int, decimal: int) -> bool:
+    """Tell whether some number has four digits in a row before its decimal mark."""
+    for first in range(max(start - 1, 0), len(text), CHUNK):
+        piece = text[first : first + CHUNK + 4]
+        digit = piece - ZERO < TEN  # unsigned: what is below 0 wraps round
+        four = digit[1:-3] & digit[2:-2] & digit[3:-1] & digit[4:]
+        if (four & ~digit[:-4] & (piece[:-4] != decimal)).any():
+            return True
+    return False
 
 
 def _places(text: np.ndarray, start: int, mark: int) -> Iterator[np.ndarray]:

@@ -109,6 +109,7 @@ def to_numbers(cells: Sequence[str], mark: str) -> tuple[np.ndarray, bool]:
     if odd:
         _refuse_lost_decimals(values, texts, odd, mark)
         _refuse_unproven_groups(texts, odd, mark)
+        _refuse_groups_in_some(texts, odd, mark)
     return values, bool(odd)
 
 
@@ -163,3 +164,25 @@ def _refuse_unproven_groups(texts: Sequence[str], odd: Sequence[int], mark: str)
                 " marks tells",
                 grouped[0],
             )
+
+
+def _refuse_groups_in_some(texts: Sequence[str], odd: Sequence[int], mark: str) -> None:
+    """Refuse ``76.061,7`` beside ``168896,3``: a column that groups does so from some size on."""
+    special = set(odd)
+    least = min(odd, key=lambda i: _whole_digits(texts[i], mark))
+    most = max(
+        (i for i, text in enumerate(texts) if text and i not in special),
+        key=lambda i: _whole_digits(texts[i], mark),
+        default=least,
+    )
+    if most != least and _whole_digits(texts[least], mark) <= _whole_digits(texts[most], mark):
+        raise Unclear(
+            f"'{texts[least]}' groups its thousands, '{texts[most]}' in the same column does not"
+            " (a damaged digit?)",
+            least,
+        )
+
+
+def _whole_digits(text: str, mark: str) -> int:
+    """Count the digits before the decimal mark, leading zeros left out."""
+    return len(re.sub(r"\D", "", text.partition(mark)[0]).lstrip("0"))

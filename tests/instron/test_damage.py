@@ -46,6 +46,10 @@ REFUSED = {
         "line 3: '2,110,849' could be a decimal",
     ),
     "two points": (with_row("2.00\t1.0000\t2.110.849", head=TAB, delimiter="\t"), "line 23"),
+    "one number grouped among larger ones that are not": (
+        "Extension;Load\n(mm);(N)\n0,7;1688966,3\n1,1;26966,9\n2,4;399135,7\n3,4;76.061,7\n",
+        "line 6: '76.061,7' groups its thousands, '1688966,3' in the same column does not",
+    ),
     "decimal comma without quotes": (HEAD + "0,1,0,05,1,5\n" * 9, "6 cells under a header of 3"),
     "decimal comma without quotes, names to spare": (
         HEAD.replace("\n", ",a,b,c\n", 1) + "0,1,0,05,1,5,,,\n0,2,0,06,1,6,,,\n",
