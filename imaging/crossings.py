@@ -175,8 +175,7 @@ def _over(
     a, b = strands[hit.strand_a - 1], strands[hit.strand_b - 1]
     if segmentation is None or not isinstance(a, Strand) or not isinstance(b, Strand):
         return None, np.nan
-    colour_a = a.tones[np.searchsorted(arclength(a.line), hit.s_a) - 1]
-    colour_b = b.tones[np.searchsorted(arclength(b.line), hit.s_b) - 1]
+    colour_a, colour_b = _colour_at(a, hit.s_a), _colour_at(b, hit.s_b)
     if colour_a == colour_b:
         return None, np.nan
     shown = _labels_in_overlap(hit, lines, segmentation)
@@ -185,6 +184,10 @@ def _over(
     if share < DOUBT:
         return None, sure
     return (hit.strand_a if for_a > for_b else hit.strand_b), sure
+
+
+def _colour_at(strand: Strand, s: float) -> int:
+    return int(strand.tones[np.searchsorted(arclength(strand.line), s, side="right") - 1])
 
 
 def _verdict(for_a: int, for_b: int) -> tuple[float, float]:

@@ -155,20 +155,10 @@ def press_tine(buf, a, q0, q1, low, high, reach, line, now, motion, viscous):
     if viscous is not None:
         v0, v1 = at(buf, V0, V1, V2, a), at(buf, V0, V1, V2, a + 1)
         drive = (now[1] * motion[0], now[1] * motion[1], now[1] * motion[2])
+        v0, v1, growth = minus(v0, drive), minus(v1, drive), now[6]
         return press_damped(
-            p0,
-            p1,
-            q0,
-            q1,
-            minus(v0, drive),
-            minus(v1, drive),
-            now[6],
-            low,
-            high,
-            reach,
-            line,
-            viscous,
-        )
+            p0, p1, q0, q1, v0, v1, growth, low, high, reach, line, viscous
+        )  # fmt: skip
     force, first_s, _, total, sum_s, sum_t = press(p0, p1, q0, q1, low, high, reach, line)
     return force, first_s, total, sum_s, sum_t
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from imaging import Photo, crossings, segment, trace
+from imaging import Photo, Segmentation, Strand, crossings, segment, trace
 from imaging.overlay import labels_picture
 from imaging.synthetic import render
 
@@ -54,6 +54,23 @@ def test_it_crosses_another_in_both_its_colours():
     (on_top,) = {int(number) for number in table["over"]}
     assert set(strands[on_top - 1].tones) != set(strands[2 - on_top].tones)
     assert len(set(strands[on_top - 1].tones)) == 2
+
+
+def test_a_crossing_at_its_very_root_has_the_colour_of_the_root():
+    """A red and blue strand that begins on the axis of a green one, on top of it."""
+    along = np.arange(0.0, 41.0)
+    a, b = np.stack([50 + along, 50 + 0 * along], 1), np.stack([50 + 0 * along, 30 + along], 1)
+    tones = np.where(along < 20, 0, 1)
+    strands = [
+        Strand(line, np.full(41, 8.0), np.full(41, 0.1), np.full(41, 2), own, ("free", "free"))
+        for line, own in ((a, tones), (b, np.full(41, 2)))
+    ]
+    labels = np.zeros((100, 110), np.int32)
+    labels[30:71, 46:55], labels[46:55, 46:71], labels[46:55, 71:91] = 3, 1, 2
+    found = Segmentation(labels, np.zeros((3, 100, 110), np.float32), np.zeros((3, 3)), 8.0)
+    row = crossings(strands, found).iloc[0]
+    assert row["s_a"] == 0
+    assert row["over"] == 1
 
 
 def test_a_strand_of_one_of_its_colours_stays_apart():
