@@ -23,9 +23,10 @@ from imaging.helix_count import (
 from imaging.helix_edges import Edges, find_edges
 from imaging.helix_fit import Fit, fit, fit_best, widened
 from imaging.helix_measurement import HelixMeasurement, Start, measurement_of
-from imaging.helix_model import Layout, Model, knots, offsets
+from imaging.helix_model import Layout, Model, offsets
 from imaging.helix_pair import pair_membership, rough_radius, twisted_pair
 from imaging.helix_prior import PENALISED, first_prior
+from imaging.helix_splines import knots
 from imaging.photo import Photo
 from imaging.scale import Scale, stated
 from imaging.segment import Segmentation, segment

@@ -10,13 +10,13 @@ the one of independent points: the residuals' variance nearby times their correl
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cholesky
-from scipy.linalg.lapack import dpotri
 from scipy.sparse import csr_matrix, diags, hstack
 
+from imaging.helix_chain import inverse, solve
 from imaging.helix_edges import OUTER, Edges
-from imaging.helix_model import Model, basis, feet, positions
+from imaging.helix_model import Model, feet, positions
 from imaging.helix_prior import ABRUPT, PENALISED, STRAIGHTER, Prior, first_prior
+from imaging.helix_splines import basis
 
 Array = np.ndarray
 Mask = np.ndarray
@@ -96,8 +96,9 @@ def fit(model: Model, edges: Edges, prior: Prior, rounds: int = 6) -> Fit:
         target = design.T @ (precision * residual) + information @ model.beta
         if prior.seen is not None:
             target[model.layout.blocks["mid"]] += np.prod(prior.seen, axis=0)
-        beta, covariance, prior = _penalised(model, information, target, prior)
+        beta, prior = _penalised(model, information, target, prior)
         model = model.moved(beta)
+    covariance = inverse(_stiffened(model, _held(model, information, prior), prior))
     freedom = _freedom(model, information, covariance)
     residual, _ = _linearised(model, edges)
     return Fit(model, covariance, prior, freedom, noise, correlation, residual)
@@ -126,8 +127,9 @@ def widened(fitted: Fit, edges: Edges) -> Fit:
     residual, design = _linearised(fitted.model, edges)
     precision = _noise(fitted.model, residual, edges)[2]
     information = (design.T @ diags(precision) @ design).toarray()
-    wide = _inverse(_stiffened(fitted.model, information, fitted.prior.blunted()))
-    return replace(fitted, covariance=wide)
+    held = _held(fitted.model, information, fitted.prior)
+    wide = _stiffened(fitted.model, held, fitted.prior.blunted())
+    return replace(fitted, covariance=inverse(wide))
 
 
 def evidence(fitted: Fit, edges: Edges, precision: Array) -> float:
@@ -211,18 +213,18 @@ def _correlation(residual: Array, good: Mask) -> float:
 
 def _penalised(
     model: Model, information: Array, target: Array, prior: Prior
-) -> tuple[Array, Array, Prior]:
-    """Solve the penalised normal equations, re-estimating the prior: beta, covariance, prior."""
-    blocks = model.layout.blocks
-    diagonal = np.diag(information)
-    ridge = _ridge(information)
-    stiffest = {name: EVEN * float(diagonal[blocks[name]].max()) for name in PENALISED}
+) -> tuple[Array, Prior]:
+    """Solve the penalised normal equations, re-estimating the prior: unknowns, prior."""
+    layout, diagonal = model.layout, np.diag(information)
+    held = _held(model, information, prior)
+    target = target + _ridge(information) * model.beta
+    stiffest = {name: EVEN * float(diagonal[layout.blocks[name]].max()) for name in PENALISED}
     stiffest["lean"] = STRAIGHTER
     for _ in range(UPDATES):
-        covariance = _inverse(_stiffened(model, information, prior))
-        beta = covariance @ (target + ridge * model.beta)
-        prior = prior.updated(*_penalised_parts(model, beta, covariance), stiffest)
-    return beta, covariance, prior
+        matrix = _stiffened(model, held, prior)
+        beta, near = solve(matrix, target, layout.cells, layout.shared)
+        prior = prior.updated(*_penalised_parts(model, beta, near), stiffest)
+    return beta, prior
 
 
 def _penalised_parts(
@@ -239,12 +241,10 @@ def _ridge(information: Array) -> Array:
     return 1e-9 * diagonal + 1e-9 * diagonal.mean()
 
 
-def _stiffened(model: Model, information: Array, prior: Prior) -> Array:
-    """Add the prior to the information in the data."""
+def _held(model: Model, information: Array, prior: Prior) -> Array:
+    """Add to the information in the data what is known beforehand but for smoothness."""
     blocks = model.layout.blocks
     matrix = information + np.diag(_ridge(information))
-    for name, penalty in prior.penalties().items():
-        matrix[blocks[name], blocks[name]] += penalty
     if prior.seen is not None:
         matrix[blocks["mid"], blocks["mid"]] += np.diag(prior.seen[0])
     facing = blocks["lean"]
@@ -254,10 +254,13 @@ def _stiffened(model: Model, information: Array, prior: Prior) -> Array:
     return matrix
 
 
-def _inverse(matrix: Array) -> Array:
-    """Inverse of a symmetric positive definite matrix."""
-    lower = np.tril(dpotri(cholesky(matrix, lower=True), lower=1)[0])
-    return lower + np.tril(lower, -1).T
+def _stiffened(model: Model, held: Array, prior: Prior) -> Array:
+    """Add smoothness."""
+    matrix = held.copy()
+    for name, penalty in prior.penalties().items():
+        where = model.layout.blocks[name]
+        matrix[where, where] += penalty
+    return matrix
 
 
 def _freedom(model: Model, information: Array, covariance: Array) -> dict[str, float]:

@@ -10,8 +10,9 @@ from imaging.helix_axis import Axis
 from imaging.helix_count import HalfTurns
 from imaging.helix_edges import Edges
 from imaging.helix_fit import Fit, miss, worse
-from imaging.helix_model import Model, basis
+from imaging.helix_model import Model
 from imaging.helix_space import heading, in_space, link_beyond_phase, sine_of_lean
+from imaging.helix_splines import basis
 
 Array = np.ndarray
 Mask = np.ndarray

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.sparse import csr_array, diags_array
 
 from imaging.helix_axis import Axis
+from imaging.helix_chain import Cells, cells_of
+from imaging.helix_splines import curve
 
 Array = np.ndarray
 GRID = 0.5  # px; the centrelines are tabulated this densely
@@ -54,6 +54,18 @@ class Layout:
             for (name, size), end in zip(sizes.items(), ends, strict=True)
         }
 
+    @cached_property
+    def cells(self) -> Cells:
+        """Unknowns of the splines in cells that are coupled to their neighbours only."""
+        splines = (self.phi, self.mid, self.R, self.lean)
+        place = np.concatenate([knot[2:-2] for knot in splines])
+        return cells_of(place, 4 * max(float(knot[1] - knot[0]) for knot in splines))
+
+    @property
+    def shared(self) -> slice:
+        """Unknowns that belong to the whole axis."""
+        return slice(self.blocks["sight"].start, self.size)
+
     @property
     def size(self) -> int:
         """Number of unknowns."""
@@ -79,13 +91,13 @@ class Model:
 
     def at(self, s: Array) -> Values:
         """Evaluate the splines at arclengths ``s``."""
-        phi = basis(self.layout.phi, s)
+        layout = self.layout
         return Values(
-            phi @ self.part("phi"),
-            basis(self.layout.phi, s, 1) @ self.part("phi"),
-            basis(self.layout.mid, s) @ self.part("mid"),
-            basis(self.layout.R, s) @ self.part("R"),
-            basis(self.layout.lean, s) @ self.part("lean") + self.sight(s) @ self.part("sight"),
+            curve(layout.phi, self.part("phi"), s),
+            curve(layout.phi, self.part("phi"), s, 1),
+            curve(layout.mid, self.part("mid"), s),
+            curve(layout.R, self.part("R"), s),
+            curve(layout.lean, self.part("lean"), s) + self.sight(s) @ self.part("sight"),
         )
 
     def sight(self, s: Array) -> Array:
@@ -114,24 +126,6 @@ class Table:
     normals: Array
     speed: Array
     strands: Array
-
-
-def knots(start: float, end: float, spacing: float) -> Array:
-    """Knots of a uniform cubic spline over [start, end], with three more on either side."""
-    count = max(int(np.ceil((end - start) / spacing)), 2)
-    h = (end - start) / count
-    return start + h * np.arange(-3, count + 4)
-
-
-def basis(knot: Array, s: Array, derivative: int = 0) -> csr_array:
-    """Cubic B-spline design (n, len(knot) - 4) or its first derivative."""
-    inside = np.clip(s, knot[3], knot[-4])
-    if derivative == 0:
-        return BSpline.design_matrix(inside, knot, 3)
-    lower = BSpline.design_matrix(inside, knot[1:-1], 2)
-    h = knot[1] - knot[0]
-    size = lower.shape[1]
-    return lower @ diags_array([-1 / h, 1 / h], offsets=[0, 1], shape=(size, size + 1))
 
 
 def outlines(model: Model) -> Array:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
+from scipy.sparse import csr_array, diags_array
 from scipy.special import digamma, gammaln
 
 from imaging.helix_model import Model
@@ -37,7 +38,7 @@ class Prior:
     values that hold its coefficients there to the middle of what is seen.
     """
 
-    differences: dict[str, Array]
+    differences: dict[str, csr_array]
     groups: dict[str, np.ndarray]
     reach: dict[str, float]
     tail: float = ABRUPT
@@ -48,7 +49,7 @@ class Prior:
     def penalties(self) -> dict[str, Array]:
         """Return D' diag(weight * local) D of each block."""
         return {
-            name: (d.T * (self.weights.get(name, 1.0) * self.local.get(name, 1.0))) @ d
+            name: (d.T @ diags_array(self._stiffness(name)) @ d).toarray()
             for name, d in self.differences.items()
         }
 
@@ -65,8 +66,8 @@ class Prior:
         """
         weights, local = {}, dict(self.local)
         for name, d in self.differences.items():
-            here = self.local.get(name, np.ones(len(d)))
-            spread = np.einsum("ij,jk,ik->i", d, covariance[name], d, optimize=True)
+            here = self.local.get(name, np.ones(d.shape[0]))
+            spread = _variances(d, covariance[name])
             size = (d @ beta[name]) ** 2
             held, seen = (
                 _nearby(value, self.groups[name], self.reach[name])
@@ -79,6 +80,11 @@ class Prior:
             if np.isfinite(tail):
                 local[name] = (tail + 1) / (tail + weights[name] * (size + spread))
         return replace(self, weights=weights, local=local)
+
+    def _stiffness(self, name: str) -> Array:
+        """Weight of each difference."""
+        ones = np.ones(self.differences[name].shape[0])
+        return self.weights.get(name, 1.0) * self.local.get(name, 1.0) * ones
 
     @property
     def tails(self) -> dict[str, float]:
@@ -111,7 +117,7 @@ class Prior:
         """
         total = 0.0
         for name, d in self.differences.items():
-            spread = np.einsum("ij,jk,ik->i", d, covariance[name], d, optimize=True)
+            spread = _variances(d, covariance[name])
             weight, tail = self.weights[name], self.tails[name]
             size = weight * ((d @ beta[name]) ** 2 + spread)
             total += float(np.sum(0.5 * np.log(weight) + _gain(size, tail)))
@@ -132,16 +138,21 @@ def first_prior(model: Model, held: dict[str, Mask]) -> Prior:
         lies before and behind a tine is fitted apart.
     """
     differences = {name: _differences(model, name, held[name]) for name in PENALISED}
-    differences["lean"] /= _bend(model)[held["lean"], None]
+    differences["lean"] = diags_array(1 / _bend(model)[held["lean"]]) @ differences["lean"]
     groups = {name: _groups(held[name]) for name in PENALISED}
     reach = {name: REACH * model.pitch / _spacing(model, name) for name in PENALISED}
     reach["phi"] = np.inf
     return Prior(differences, groups, reach, SMOOTH)
 
 
-def _differences(model: Model, name: str, held: Mask) -> Array:
+def _differences(model: Model, name: str, held: Mask) -> csr_array:
     """Differences D (m, size) of one block of unknowns, those not ``held`` left out."""
-    return np.diff(np.eye(len(model.part(name))), n=PENALISED[name], axis=0)[held]
+    return csr_array(np.diff(np.eye(len(model.part(name))), n=PENALISED[name], axis=0)[held])
+
+
+def _variances(differences: csr_array, covariance: Array) -> Array:
+    """Variances of differences; only covariances of near neighbours enter."""
+    return np.asarray(differences.multiply(differences @ covariance).sum(axis=1))
 
 
 def _bend(model: Model) -> Array:

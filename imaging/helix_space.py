@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from imaging.helix_model import Model, basis
+from imaging.helix_model import Model
+from imaging.helix_splines import curve
 
 Array = np.ndarray
 STEEPEST = 0.95  # sine of a lean; steeper, a strand is seen end on
@@ -12,7 +13,7 @@ MOST = 800  # such points
 
 def sine_of_lean(model: Model, s: Array) -> Array:
     """Sine of the angle by which the axis leaves the picture, tip away from the viewer > 0."""
-    lean = basis(model.layout.lean, s) @ model.part("lean")
+    lean = curve(model.layout.lean, model.part("lean"), s)
     return np.clip(lean, -STEEPEST, STEEPEST)
 
 

@@ -1,15 +1,20 @@
 """The pieces of the helix measurement: drawing, axis, half-turns, visible edges, the fit."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 
 from imaging.helix_axis import axis_through, find_axis
+from imaging.helix_chain import cells_of, inverse, solve
 from imaging.helix_count import HalfTurns, Look, first_phase, half_turns
 from imaging.helix_edges import CONTACT, HIDDEN, OUTER, visible
 from imaging.helix_fit import _correlation
-from imaging.helix_model import Layout, Model, basis, feet, knots, outlines, positions
+from imaging.helix_model import Layout, Model, feet, outlines, positions
 from imaging.helix_pair import twisted_pair
 from imaging.helix_space import in_space, link_beyond_phase, writhe_shares
+from imaging.helix_splines import basis, curve, knots
 from imaging.helix_synthetic import bent_axis, draw_helix, tilt_strands, twist_strands
 from imaging.segment import Segmentation
 
@@ -139,6 +144,36 @@ def test_splines_reproduce_a_line_and_its_slope():
     np.testing.assert_allclose(model.at(s).phi, 2 * np.pi * s / 100, atol=1e-9)
     np.testing.assert_allclose(model.at(s).dphi, 2 * np.pi / 100, atol=1e-12)
     assert basis(model.layout.phi, s).sum(axis=1) == pytest.approx(1.0)
+
+
+def test_a_spline_slope_is_that_of_its_curve():
+    knot = knots(0.0, 90.0, 7.0)
+    coefficients = np.random.default_rng(2).normal(size=len(knot) - 4)
+    reference = BSpline(knot, coefficients, 3)
+    s = np.linspace(-3, 95, 400)
+    inside = np.clip(s, 0, 90)
+    for order in (0, 1):
+        wanted = reference(inside, nu=order)
+        np.testing.assert_allclose(curve(knot, coefficients, s, order), wanted, atol=1e-12)
+        np.testing.assert_allclose(basis(knot, s, order) @ coefficients, wanted, atol=1e-12)
+
+
+def test_a_chain_of_unknowns_is_solved_and_inverted_near_its_diagonal():
+    """Unknowns in any order, coupled within 0.9 of their places, and three coupled to all."""
+    rng = np.random.default_rng(3)
+    place, seen = rng.uniform(0, 12, 90), rng.uniform(0, 12, 400)
+    near = rng.normal(size=(400, 90)) * (np.abs(seen[:, None] - place) < 0.45)
+    design = np.hstack([near, rng.normal(size=(400, 3))])
+    matrix, right = design.T @ design + 0.1 * np.eye(93), rng.normal(size=93)
+    cells = cells_of(place, 0.9)
+    x, found = solve(matrix, right, cells, slice(90, 93))
+    np.testing.assert_allclose(x, np.linalg.solve(matrix, right), atol=1e-10)
+    wanted = np.linalg.inv(matrix)
+    np.testing.assert_allclose(inverse(matrix), wanted, atol=1e-10)
+    for first, second in pairwise(cells):
+        for one in (first, second, np.arange(90, 93)):
+            where = np.ix_(first, one)
+            np.testing.assert_allclose(found[where], wanted[where], atol=1e-10)
 
 
 def test_outlines_lie_one_radius_from_the_centreline():
