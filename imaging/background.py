@@ -1,50 +1,83 @@
 """The background under the strands: a smooth surface of colour that also tells how light falls."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 GRID = 72  # cells along the shorter side of a picture, of which the background is learned
 ROUNDS = 8  # of reweighting
-BAND = 64  # rows worked on at once: they stay in the processor's cache
+BAND = 2**17  # pixels worked on at once, whole rows: they stay in the processor's cache
 
 
-def above_background(lab: np.ndarray, ignore: np.ndarray | None = None) -> np.ndarray:
-    """Return a Lab picture (h, w, 3) less the smooth background under it, float32."""
-    background = background_of(lab, ignore)
-    return cv2.subtract(lab, background, dst=background)
+class Ground(NamedTuple):
+    """The smooth background under a picture.
 
-
-def in_even_light(above: np.ndarray, lab: np.ndarray) -> np.ndarray:
-    """Scale colours above the background, in place, to what they would be in even light.
-
-    (L + 16, a, b) go with the cube root of the light, whose level the background shows.
+    Attributes
+    ----------
+    coarse : (n, w, 3) float32 array
+        Lab colours in n rows spread evenly over the picture, each as wide as the picture.
+    height : int
+        Rows of the picture.
     """
-    mean = np.mean(lab[..., 0] - above[..., 0], dtype=float) + 16
-    for rows in bands(len(lab)):
-        level = lab[rows, :, 0] - above[rows, :, 0] + np.float32(16)
-        cv2.multiply(above[rows], cv2.merge([np.float32(mean) / level] * 3), dst=above[rows])
-    return above
+
+    coarse: np.ndarray
+    height: int
+
+    def rows(self, band: slice) -> np.ndarray:
+        """Colours (m, w, 3) in a band of rows, between coarse ones by hat functions."""
+        row = np.arange(band.start, band.stop) + 0.5
+        last = len(self.coarse) - 1
+        at = (row * len(self.coarse) / self.height - 0.5).clip(0, last)
+        near = np.arange(int(at[0]), min(int(at[-1]) + 1, last) + 1)
+        hat = np.maximum(1 - np.abs(at[:, None] - near), 0).astype(np.float32)
+        flat = self.coarse[near[0] : near[-1] + 1].reshape(len(near), -1)
+        return (hat @ flat).reshape(len(row), -1, 3)
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Colours (n, 3) at ascending places in the flattened picture."""
+        across = self.coarse.shape[1]
+        found = np.empty((len(places), 3), np.float32)
+        for band in bands((self.height, across)):
+            start, stop = np.searchsorted(places, [band.start * across, band.stop * across])
+            inside = places[start:stop] - band.start * across
+            np.take(self.rows(band).reshape(-1, 3), inside, axis=0, out=found[start:stop])
+        return found
 
 
-def contrast_of(above: np.ndarray) -> np.ndarray:
-    """Length of each pixel's (L, a, b), shape (h, w) float32."""
-    contrast = np.empty(above.shape[:2], np.float32)
+def bands(shape: tuple[int, ...]) -> Iterator[slice]:
+    """Cut the rows of a picture into bands of about as many pixels."""
+    height, width = shape[:2]
+    rows = max(BAND // width, 1)
+    return (slice(top, min(top + rows, height)) for top in range(0, height, rows))
+
+
+def in_even_light(lab: np.ndarray, ground: Ground) -> np.ndarray:
+    """Turn a Lab picture, in place, into colours above the ground, as they would be in even light.
+
+    (L + 16, a, b) go with the cube root of the light, whose level the ground shows.
+    """
+    mean = np.mean(ground.coarse[..., 0], dtype=float) + 16
+    for band in bands(lab.shape):
+        under = ground.rows(band)
+        even = np.float32(mean) / (under[..., 0] + np.float32(16))
+        cv2.multiply(cv2.subtract(lab[band], under), cv2.merge([even] * 3), dst=lab[band])
+    return lab
+
+
+def contrast_of(lab: np.ndarray, ground: Ground) -> np.ndarray:
+    """Distance of each pixel's colour from the ground's, shape (h, w) float32."""
+    contrast = np.empty(lab.shape[:2], np.float32)
     total = np.ones((1, 3), np.float32)
-    for rows in bands(len(above)):
-        square = cv2.multiply(above[rows], above[rows])
-        cv2.sqrt(cv2.transform(square, total), dst=contrast[rows])
+    for band in bands(lab.shape):
+        above = cv2.subtract(lab[band], ground.rows(band))
+        cv2.sqrt(cv2.transform(cv2.multiply(above, above), total), dst=contrast[band])
     return contrast
 
 
-def bands(height: int) -> Iterator[slice]:
-    """Cut the rows of a picture into bands."""
-    return (slice(top, top + BAND) for top in range(0, height, BAND))
-
-
-def background_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> np.ndarray:
-    """Return the smooth background under a Lab picture, shape (h, w, 3)."""
+def ground_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> Ground:
+    """Learn the smooth background under a Lab picture (h, w, 3), but for what is ignored (h, w)."""
     height, width = lab.shape[:2]
     step = max(1, min(height, width) // GRID)
     small = cv2.resize(lab, (width // step, height // step), interpolation=cv2.INTER_AREA)
@@ -54,7 +87,7 @@ def background_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> np.ndarr
         weight = (hidden < 0.01).astype(np.float32)
     surface, weight = _robust_quadratic(small, weight)
     rest = _local_mean(small - surface, weight, sigma=0.08 * min(small.shape[:2]))
-    return cv2.resize(surface + rest, (width, height), interpolation=cv2.INTER_LINEAR)
+    return Ground(cv2.resize(surface + rest, (width, len(small))), height)
 
 
 def _robust_quadratic(small: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

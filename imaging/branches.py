@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components, depth_first_order
+from scipy.spatial import cKDTree
 from skimage.morphology import skeletonize
 
 from imaging.centreline import resample
@@ -11,7 +14,6 @@ from imaging.centreline import resample
 TRIM = 0.5  # strand widths at each end of a skeleton, where it turns into a corner
 REACH = 3.0  # strand widths over which the direction of an end is fitted
 SPECK = 1.5  # strand widths; a shorter piece has no direction to speak of
-PINHOLE = 0.1  # strand widths; half the gap that is closed
 WIDE_ENOUGH = 5.0  # px; strands at least twice as wide are skeletonised in larger pixels
 CLEAR = 0.9  # strand widths cleared around a junction of the skeleton
 
@@ -74,85 +76,70 @@ def _pixel_by_pixel(path: np.ndarray, scale: int) -> np.ndarray:
 
 def _skeleton_paths(mask: np.ndarray, width: float) -> list[np.ndarray]:
     """Skeleton of a mask with an empty rim, in simple paths (n, 2) of points x, y."""
-    skeleton = _without_spurs(skeletonize(_without_pinholes(mask, width)), width)
-    cut = skeleton & ~_near(_junctions(skeleton), CLEAR * width)
-    paths = [path for path in _paths(cut) if len(path) >= max(4, SPECK * width)]
-    return [_trimmed(path, width) for path in paths]
+    points, touching = _linked(_without_spurs(skeletonize(mask), width))
+    junctions = points[_degree(touching) > 2]
+    if len(junctions):
+        away = cKDTree(junctions).query(points)[0] > CLEAR * width
+        points, touching = points[away], touching[away][:, away]
+    paths = [points[path].astype(float) for path in _in_order(touching)]
+    return [_trimmed(path, width) for path in paths if len(path) >= max(4, SPECK * width)]
 
 
-def _without_pinholes(mask: np.ndarray, width: float) -> np.ndarray:
-    """Close gaps narrower than a fifth of a strand, round which a skeleton would run in a ring."""
-    side = 2 * int(PINHOLE * width) + 1
-    if side == 1:
-        return mask
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
-    return cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, kernel) > 0
+def _linked(skeleton: np.ndarray) -> tuple[np.ndarray, csr_array]:
+    """Points x, y (n, 2) of a skeleton with an empty rim, and which of them touch (n, n)."""
+    at = np.flatnonzero(skeleton)
+    pairs = []
+    for step in (1, skeleton.shape[1] - 1, skeleton.shape[1], skeleton.shape[1] + 1):
+        beside = np.searchsorted(at, at + step).clip(max=len(at) - 1)
+        near = np.flatnonzero(at[beside] == at + step)
+        pairs.append([near, beside[near]])
+    i, j = np.concatenate(pairs, axis=1)
+    ones = np.ones(2 * len(i), np.int8)
+    ends = np.concatenate([i, j]), np.concatenate([j, i])
+    points = np.stack(np.divmod(at, skeleton.shape[1])[::-1], axis=1)
+    return points, csr_array((ones, ends), shape=(len(at), len(at)))
 
 
-def _neighbours(skeleton: np.ndarray) -> np.ndarray:
-    kernel = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], np.uint8)
-    count = cv2.filter2D(skeleton.astype(np.uint8), -1, kernel, borderType=cv2.BORDER_CONSTANT)
-    return np.where(skeleton, count, 0)
-
-
-def _junctions(skeleton: np.ndarray) -> np.ndarray:
-    return _neighbours(skeleton) > 2
-
-
-def _grown(mask: np.ndarray) -> np.ndarray:
-    """Mask with all eight neighbours of its pixels."""
-    return cv2.dilate(mask.view(np.uint8), np.ones((3, 3), np.uint8)) > 0
-
-
-def _near(points: np.ndarray, radius: float) -> np.ndarray:
-    if not points.any():
-        return points
-    return cv2.distanceTransform((~points).astype(np.uint8), cv2.DIST_L2, 5) <= radius
+def _degree(touching: csr_array) -> np.ndarray:
+    return np.diff(touching.indptr)
 
 
 def _without_spurs(skeleton: np.ndarray, width: float) -> np.ndarray:
     """Drop side branches shorter than a strand is wide: they are corners of its outline."""
-    junctions = _junctions(skeleton)
-    if not junctions.any():
+    points, touching = _linked(skeleton)
+    degree = _degree(touching)
+    junction = degree > 2
+    if not junction.any():
         return skeleton
-    knots = _grown(junctions)
-    arms = (skeleton & ~knots).astype(np.uint8)
-    _, number, stats, _ = cv2.connectedComponentsWithStats(arms, connectivity=8)
-    short = stats[:, cv2.CC_STAT_AREA] < 0.6 * width
-    loose = np.bincount(number[_neighbours(skeleton) == 1], minlength=len(short)) > 0
-    bound = np.bincount(number[_grown(knots) & ~knots], minlength=len(short)) > 0
-    spur = short & loose & bound
-    spur[0] = False
-    return skeletonize(skeleton & ~spur[number]) if spur.any() else skeleton
+    knot = junction | (touching @ junction > 0)
+    arm = np.flatnonzero(~knot)
+    count, number = connected_components(touching[arm][:, arm], directed=False)
+    short = np.bincount(number) < 0.6 * width
+    loose = np.bincount(number[degree[arm] == 1], minlength=count) > 0
+    bound = np.bincount(number[(touching @ knot)[arm] > 0], minlength=count) > 0
+    spur = np.zeros(len(points), bool)
+    spur[arm] = (short & loose & bound)[number]
+    if not spur.any():
+        return skeleton
+    x, y = points[spur].T
+    skeleton[y, x] = False
+    return skeletonize(skeleton)
 
 
-def _paths(cut: np.ndarray) -> list[np.ndarray]:
-    """Order the pixels of each simple path, from one end to the other."""
-    ys, xs = np.nonzero(cut)
-    left = set(zip(xs.tolist(), ys.tolist(), strict=True))
-    counts = _neighbours(cut)[ys, xs]
-    order = np.argsort(counts, kind="stable")  # ends first, so that only rings start midway
-    paths = []
-    for i in order.tolist():
-        start = (int(xs[i]), int(ys[i]))
-        if start in left:
-            paths.append(np.array(_walk(start, left), float))
-    return paths
+def _in_order(touching: csr_array) -> list[np.ndarray]:
+    """Points of each simple path, from one end to the other; a ring starts anywhere.
 
-
-_STEPS = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
-
-
-def _walk(start: tuple[int, int], left: set[tuple[int, int]]) -> list[tuple[int, int]]:
-    path = [start]
-    left.discard(start)
-    while True:
-        x, y = path[-1]
-        following = next(((x + i, y + j) for i, j in _STEPS if (x + i, y + j) in left), None)
-        if following is None:
-            return path
-        left.discard(following)
-        path.append(following)
+    One walk takes them all, from a point more that leads to the first of each.
+    """
+    count = touching.shape[0]
+    number = connected_components(touching, directed=False)[1]
+    ends_first = np.argsort(_degree(touching), kind="stable")
+    first = ends_first[np.unique(number[ends_first], return_index=True)[1]]
+    i, j = touching.nonzero()
+    leads = np.append(i, np.full(len(first), count)), np.append(j, first)
+    graph = csr_array((np.ones(len(leads[0]), np.int8), leads), shape=(count + 1, count + 1))
+    walk = depth_first_order(graph, count, return_predecessors=False)[1:]
+    return np.split(walk, np.flatnonzero(np.diff(number[walk])) + 1)
 
 
 def _trimmed(path: np.ndarray, width: float) -> np.ndarray:

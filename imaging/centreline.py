@@ -16,7 +16,6 @@ FINEST = 0.35  # px between samples; a picture holds no more
 BEYOND = 0.75  # px beyond an edge where the background must show, or else the edge is hidden
 SEARCH = 0.8  # strand widths; how far a rough centreline may be from what is seen of its strand
 SHORTEST_WAVE = 4.0  # strand widths; shorter wiggles are taken for noise
-NONE = np.int16(2**14)  # stands for no sample: more than there are across a strand
 # Calibrated on rendered curls (shading, highlight, blur, uneven light):
 SHADING_SD = 0.018  # strand widths; both edges seen, moved by shading and highlight
 ONE_EDGE_SD = 0.07  # strand widths more, where an edge is hidden
@@ -68,69 +67,72 @@ def edges(
     """
     step = max(width / SAMPLES, FINEST)
     reach = int(np.ceil(1.5 * width / step))
-    across = step * np.arange(-reach, reach + 1)[:, None]
-    x, y = line.T
-    along_x, along_y = normals(line).T
-    profile = _looked_up(own, x + across * along_x, y + across * along_y)
-    middle = _nearest_inside(profile, reach, SEARCH * width / step)
-    beyond = int(np.ceil(BEYOND / step))
-    found = []
-    for way in (-1, 1):
-        first = _first_outside(profile, middle, way)
-        behind = (np.maximum(first, 0) + way * beyond).clip(0, 2 * reach)
-        far = across[behind, 0]
-        shown = _looked_up(strand, (x + far * along_x)[None], (y + far * along_y)[None])[0]
-        hidden = shown - profile[behind, np.arange(len(line))] > 0.3
-        place = (_half_way(profile, first, way) - reach) * step
-        found.append(np.where((first >= 0) & ~hidden, place, np.nan))
-    return found[0], found[1]
+    across = step * np.arange(-reach, reach + 1)
+    normal = normals(line)
+    profile = _aside(own, line, normal, across[:, None])
+    outside = np.ascontiguousarray((profile < 0.5).T)
+    middle = _nearest_inside(outside, SEARCH * width / step)
+    ways = np.array([[-1], [1]])
+    first = np.stack([_first_outside(outside, middle, way) for way in (-1, 1)])
+    behind = (np.maximum(first, 0) + ways * int(np.ceil(BEYOND / step))).clip(0, 2 * reach)
+    shown = _aside(strand, line, normal, across[behind])
+    hidden = shown - profile[behind, np.arange(len(line))] > 0.3
+    place = (_half_way(profile, first, ways) - reach) * step
+    low, high = np.where((first >= 0) & ~hidden, place, np.nan)
+    return low, high
+
+
+def _aside(
+    field: np.ndarray, line: np.ndarray, normal: np.ndarray, distance: np.ndarray
+) -> np.ndarray:
+    """Values (m, n) of a picture at these distances, (m, 1) or (m, n), beside a line's points."""
+    x, y = line.T.astype(np.float32)
+    along_x, along_y = normal.T.astype(np.float32)
+    distance = distance.astype(np.float32)
+    return _looked_up(field, x + distance * along_x, y + distance * along_y)
 
 
 def sample(field: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Return bilinear values (n, m) or (n, m, 3) of a picture at points (n, m, 2), 0 outside."""
     # cv2.remap takes pictures of at most 32767 rows
-    blocks = [
-        _looked_up(field, block[..., 0], block[..., 1])
-        for block in np.array_split(at, len(at) // 30000 + 1)
-    ]
-    return np.concatenate(blocks)
+    blocks = np.array_split(at.astype(np.float32), len(at) // 30000 + 1)
+    return np.concatenate([_looked_up(field, *np.moveaxis(block, -1, 0)) for block in blocks])
 
 
 def _looked_up(field: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Bilinear values of a picture at points (n, m), 0 outside."""
     parts = len(x[0]) // 30000 + 1
-    blocks = [
-        cv2.remap(field, u.astype(np.float32), v.astype(np.float32), cv2.INTER_LINEAR)
-        for u, v in zip(np.array_split(x, parts, 1), np.array_split(y, parts, 1), strict=True)
-    ]
-    return blocks[0] if parts == 1 else np.concatenate(blocks, axis=1)
+    if parts == 1:
+        return cv2.remap(field, x, y, cv2.INTER_LINEAR)
+    blocks = zip(np.array_split(x, parts, 1), np.array_split(y, parts, 1), strict=True)
+    return np.concatenate([_looked_up(field, u, v) for u, v in blocks], axis=1)
 
 
-def _nearest_inside(profile: np.ndarray, reach: int, far: float) -> np.ndarray:
-    """Index (n,) of the sample above 0.5 nearest to the middle; -1 when none within `far`."""
-    off = np.arange(-reach, reach + 1, dtype=np.int16)[:, None]
-    rank = 2 * np.abs(off) + (off > 0)  # from the middle outwards
-    nearest = np.where(profile >= 0.5, rank, NONE).min(axis=0)
-    distance = nearest // 2
-    index = reach + np.where(nearest % 2, distance, -distance)
-    return np.where(distance <= far, index, -1)
+def _nearest_inside(outside: np.ndarray, far: float) -> np.ndarray:
+    """Index (n,) of the sample inside nearest to the middle; -1 when none within `far`."""
+    reach = outside.shape[1] // 2
+    middle = np.full(len(outside), reach)
+    astray = np.flatnonzero(outside[:, reach])
+    from_middle = np.argsort(np.abs(np.arange(-reach, reach + 1)), kind="stable")
+    nearest = from_middle[outside[astray][:, from_middle].argmin(axis=1)]
+    found = ~outside[astray, nearest] & (np.abs(nearest - reach) <= far)
+    middle[astray] = np.where(found, nearest, -1)
+    return middle
 
 
-def _first_outside(profile: np.ndarray, middle: np.ndarray, way: int) -> np.ndarray:
-    """Index (n,) of the first sample below 0.5 from the middle on, up or down; -1 when none."""
-    index = np.arange(len(profile), dtype=np.int16)[:, None]
-    middle = middle.astype(np.int16)
-    if way > 0:
-        first = np.where((profile < 0.5) & (index > middle), index, NONE).min(axis=0)
-    else:
-        first = np.where((profile < 0.5) & (index < middle), index, np.int16(-1)).max(axis=0)
-    return np.where((middle >= 0) & (first < NONE), first, -1).astype(int)
+def _first_outside(outside: np.ndarray, middle: np.ndarray, way: int) -> np.ndarray:
+    """Index (n,) of the first sample outside from the middle on, up or down; -1 when none."""
+    index = np.arange(outside.shape[1], dtype=np.int16)[::way]
+    beyond = outside[:, ::way] & (way * index > way * middle[:, None].astype(np.int16))
+    first = beyond.argmax(axis=1)
+    found = beyond[np.arange(len(beyond)), first] & (middle >= 0)
+    return np.where(found, index[first], -1)
 
 
-def _half_way(profile: np.ndarray, first: np.ndarray, way: int) -> np.ndarray:
+def _half_way(profile: np.ndarray, first: np.ndarray, way: np.ndarray) -> np.ndarray:
     """Index (fractional) where the profile falls through 0.5 before the sample `first`."""
     first = first.clip(1, len(profile) - 2)
-    column = np.arange(len(first))
+    column = np.arange(first.shape[1])
     inner, outer = profile[first - way, column], profile[first, column]
     fraction = np.divide(inner - 0.5, inner - outer, out=np.zeros_like(inner), where=inner > outer)
     return first - way + way * fraction
@@ -155,6 +157,9 @@ class Centreline(NamedTuple):
     edges: np.ndarray
 
 
+Place = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
 def refine(
     line: np.ndarray,
     own: np.ndarray,
@@ -162,7 +167,7 @@ def refine(
     width: float,
     *,
     rounds: int = 2,
-    place: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None,
+    place: Place | None = None,
 ) -> Centreline:
     """Move a rough centreline (n, 2) to the middle between the strand's edges.
 
@@ -170,34 +175,74 @@ def refine(
     hidden the smoothing spline bridges with least bending. `place`, if given, is asked instead for
     the offset and its relative sd wherever an edge is hidden.
     """
-    step = max(1.0, width / ROWS)
-    even = resample(line, step)
-    smooth = _smoothed(even, np.ones(len(even)), width / step)
+    step = _step(width)
+    smooth = _even(line, width)
     for _ in range(rounds):  # again on the moved line, whose normals are better
-        smooth = resample(smooth, step)
-        low, high = edges(smooth, own, strand, width)
-        local = _local_width(low, high, width, int(AROUND * width / step))
-        offset, sd = _offsets(low, high, local)
-        if place is not None:
-            unsure = sd != 1
-            there, spread = place(smooth, unsure)
-            offset, sd = np.where(unsure, there, offset), np.where(unsure, spread, sd)
-        moved = smooth + offset[:, None] * normals(smooth)
-        smooth = _smoothed(moved, np.where(np.isfinite(sd), 1 / np.square(sd), 0), width / step)
-    seen = np.where(np.isfinite(sd), np.isfinite(low).astype(int) + np.isfinite(high), 0)
+        moved, sd, local, seen = _moved(resample(smooth, step), own, strand, width, place)
+        smooth = _weighed(moved, sd, width)
     spread = _spread(moved, smooth, sd, seen == 2, width)
     return _dense(Centreline(smooth, local, spread, seen), step)
 
 
+def centred(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> np.ndarray:
+    """Points (m, 2) of `refine`'s first round, where nothing else is asked."""
+    step = _step(width)
+    moved, sd, _, _ = _moved(resample(_even(line, width), step), own, strand, width)
+    smooth = _weighed(moved, sd, width)
+    return smooth if step == 1 else _between(smooth)[0]
+
+
+def _step(width: float) -> float:
+    """Distance between cross-sections [px]."""
+    return max(1.0, width / ROWS)
+
+
+def _even(line: np.ndarray, width: float) -> np.ndarray:
+    """Smooth points at equal distances along a rough line."""
+    even = resample(line, _step(width))
+    return _smoothed(even, np.ones(len(even)), width / _step(width))
+
+
+def _moved(
+    line: np.ndarray,
+    own: np.ndarray,
+    strand: np.ndarray,
+    width: float,
+    place: Place | None = None,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Points between the edges, their relative sd (NaN = hidden), local width and edges seen."""
+    low, high = edges(line, own, strand, width)
+    local = _local_width(low, high, width, int(AROUND * width / _step(width)))
+    offset, sd = _offsets(low, high, local)
+    if place is not None:
+        unsure = sd != 1
+        there, spread = place(line, unsure)
+        offset, sd = np.where(unsure, there, offset), np.where(unsure, spread, sd)
+    seen = np.where(np.isfinite(sd), np.isfinite(low).astype(int) + np.isfinite(high), 0)
+    return line + offset[:, None] * normals(line), sd, local, seen
+
+
+def _weighed(points: np.ndarray, sd: np.ndarray, width: float) -> np.ndarray:
+    """Smooth points of these relative sds; NaN counts for nothing."""
+    weight = np.where(np.isfinite(sd), 1 / np.square(sd), 0)
+    return _smoothed(points, weight, width / _step(width))
+
+
 def _dense(found: Centreline, step: float) -> Centreline:
     """Points about 1 px apart, on the cubic through points about `step` apart."""
-    if step == 1 or len(found.line) < 4:
+    if step == 1:
         return found
-    s = arclength(found.line)
+    line, at = _between(found.line)
+    even = np.arange(len(found.line))
+    width, sd = np.interp(at, even, found.width), np.interp(at, even, found.sd)
+    return Centreline(line, width, sd, found.edges[np.rint(at).astype(int)])
+
+
+def _between(line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points about 1 px apart on the cubic through a line, and where between its points."""
+    s = arclength(line)
     fine = np.linspace(0, s[-1], int(round(s[-1])) + 1)
-    nearest = np.rint(np.interp(fine, s, np.arange(len(s)))).astype(int)
-    width, sd = np.interp(fine, s, found.width), np.interp(fine, s, found.sd)
-    return Centreline(CubicSpline(s, found.line)(fine), width, sd, found.edges[nearest])
+    return CubicSpline(s, line)(fine), np.interp(fine, s, np.arange(len(s)))
 
 
 def _local_width(low: np.ndarray, high: np.ndarray, width: float, around: int) -> np.ndarray:

@@ -101,7 +101,7 @@ def _modes(density: np.ndarray) -> np.ndarray:
         return cell
 
     for cell, neighbours in enumerate(_denser_neighbours(order, density.shape)):
-        hills = {root(n) for n in neighbours}
+        hills = {root(above) for above in {parent[n] for n in neighbours}}  # few, of many cells
         highest = min(hills, default=cell)
         parent.append(highest)
         for hill in hills - {highest}:

@@ -3,11 +3,14 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from imaging.decode import decode
 from imaging.errors import Unmeasurable
 from imaging.region import MIN_SIDE, Box, mask_of, outside
+
+BAND = 2**17  # pixels converted at once, whole rows: they stay in the processor's cache
 
 # EXIF orientation -> (mirror left-right first, then quarter turns anticlockwise)
 _UPRIGHT = {
@@ -50,8 +53,20 @@ class Photo:
 
     def rgb(self) -> np.ndarray:
         """Return sRGB-coded float32 in [0, 1], shape (h, w, 3)."""
+        return self._rgb(slice(None))
+
+    def _rgb(self, rows: slice) -> np.ndarray:
         full = np.float32(np.iinfo(self.pixels.dtype).max)
-        return np.divide(self.pixels, full, dtype=np.float32)
+        return np.divide(self.pixels[rows], full, dtype=np.float32)
+
+    def lab(self) -> np.ndarray:
+        """Return CIE Lab (D65, L from 0 to 100) float32, shape (h, w, 3)."""
+        colour = np.empty((*self.shape, 3), np.float32)
+        rows = max(BAND // self.shape[1], 1)
+        for top in range(0, len(colour), rows):
+            band = slice(top, top + rows)
+            cv2.cvtColor(self._rgb(band), cv2.COLOR_RGB2Lab, dst=colour[band])
+        return colour
 
     def eight_bits(self) -> np.ndarray:
         """Return sRGB-coded uint8, shape (h, w, 3); not a copy where the photograph is that."""

@@ -22,7 +22,7 @@ from itertools import product
 import cv2
 import numpy as np
 
-from imaging.background import above_background, contrast_of, in_even_light
+from imaging.background import Ground, contrast_of, ground_of, in_even_light
 from imaging.errors import Unmeasurable
 from imaging.palette import colour_features, find_colours, unmixed, vote
 from imaging.photo import Photo
@@ -48,7 +48,7 @@ class Segmentation:
 
     Attributes
     ----------
-    labels : (h, w) int32 array
+    labels : (h, w) uint8 array
         0 = background, k = colour k - 1 of `colours`; the strand on top wins.
     membership : (k, h, w) float32 array in [0, 1]
         How much of the pixel is covered by each colour; 0.5 is a strand's edge.
@@ -60,6 +60,8 @@ class Segmentation:
         Lab colour above the background's, as it would be in even light.
     blocks : (h, w) bool array, optional
         What stands out but is too wide to be a strand: a clamp, a card, a thick tine.
+    coverage : (h, w) float32 array, optional
+        How much of the pixel is covered by any strand: the sum of `membership`.
     """
 
     labels: np.ndarray
@@ -68,6 +70,7 @@ class Segmentation:
     width: float
     contrast: np.ndarray | None = None
     blocks: np.ndarray | None = None
+    coverage: np.ndarray | None = None
 
 
 def segment(photo: Photo) -> Segmentation:
@@ -86,11 +89,11 @@ def segment(photo: Photo) -> Segmentation:
     Unmeasurable
         When nothing stands out from the background.
     """
-    lab = cv2.cvtColor(photo.rgb(), cv2.COLOR_RGB2Lab)
-    above = above_background(lab, photo.ignore)
-    coverage, width = _coverage(photo.source, above, photo.ignore)
+    lab = photo.lab()
+    ground = ground_of(lab, photo.ignore)
+    coverage, width = _coverage(photo.source, contrast_of(lab, ground), photo.ignore)
     strand = coverage > EDGE
-    features, say, centres, colours = _palette(lab, above, coverage, width)
+    features, say, centres, colours = _palette(lab, ground, coverage, width)
     if len(colours):
         labels, depth, width = _voted(features, strand, centres, width, say)
         blocks = _blocks(labels, depth, width)
@@ -99,23 +102,22 @@ def segment(photo: Photo) -> Segmentation:
         labels, colours = _with_enough(labels, colours, width)
     if len(colours) == 0:
         raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
-    contrast = in_even_light(above, lab)
-    del lab, above, features  # large, and the memberships are larger
-    membership = _membership(labels, coverage, len(colours))
-    return Segmentation(labels.astype(np.int32), membership, colours, width, contrast, blocks)
+    membership, coverage = _shared_out(coverage, labels, len(colours))
+    contrast = in_even_light(lab, ground)
+    return Segmentation(labels, membership, colours, width, contrast, blocks, coverage)
 
 
 def _palette(
-    lab: np.ndarray, above: np.ndarray, coverage: np.ndarray, width: float
+    lab: np.ndarray, ground: Ground, coverage: np.ndarray, width: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Features of the strand pixels and how much each has to say; colours, as features and Lab."""
     strand = coverage > EDGE
     at = np.flatnonzero(strand)
     covered = coverage.ravel()[at]
     seen = _pixels(lab, at)
-    ground = seen - _pixels(above, at)
-    pure = unmixed(seen, ground, covered)
-    features = colour_features(pure, ground)
+    under = ground.at(at)
+    pure = unmixed(seen, under, covered)
+    features = colour_features(pure, under)
     middle = _middles(lab, strand, width)
     middle = np.searchsorted(at, middle[strand.ravel()[middle]])
     centres, colours = find_colours(features[middle], pure[middle], width)
@@ -141,10 +143,9 @@ def _pixels(picture: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def _coverage(
-    source: str, above: np.ndarray, ignore: np.ndarray | None
+    source: str, contrast: np.ndarray, ignore: np.ndarray | None
 ) -> tuple[np.ndarray, float]:
     """How much of each pixel a strand covers (h, w), and the typical strand width [px]."""
-    contrast = contrast_of(above)
     if ignore is not None:
         contrast[ignore] = 0
     smooth = cv2.blur(contrast, (3, 3))
@@ -232,12 +233,8 @@ def _middles(lab: np.ndarray, strand: np.ndarray, width: float) -> np.ndarray:
 
 def _mean_around(lab: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
     """Mean colour (..., 3) of the 3 x 3 pixels around each of these."""
-    height, width = lab.shape[:2]
-    total = np.zeros((*rows.shape, 3), np.float32)
-    for down, right in product((-1, 0, 1), repeat=2):
-        y, x = (rows + down).clip(0, height - 1), (columns + right).clip(0, width - 1)
-        total += _pixels(lab, y * width + x)
-    return total / 9
+    around = _places_around((rows * lab.shape[1] + columns).ravel(), lab.shape)
+    return np.mean([_pixels(lab, places) for places in around], axis=0).reshape(*rows.shape, 3)
 
 
 def _change(lab: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -289,10 +286,15 @@ def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
 
 def _depth(labels: np.ndarray) -> np.ndarray:
     """Distance of each strand pixel to the nearest one that is not of its colour [px]."""
+    lowest, highest = _around(labels)
+    return _inside((labels > 0) & (lowest == highest))
+
+
+def _around(labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest label of the strand pixels in the 3 x 3 around each, 0 where none is."""
     kernel = np.ones((3, 3), np.uint8)
-    highest = cv2.dilate(labels, kernel)
     lowest = cv2.erode(labels - np.uint8(1), kernel) + np.uint8(1)  # none (0) counts as 256
-    return _inside((labels > 0) & (highest == lowest))
+    return lowest, cv2.dilate(labels, kernel)
 
 
 def _blocks(labels: np.ndarray, depth: np.ndarray, width: float) -> np.ndarray:
@@ -315,21 +317,34 @@ def _with_enough(
     return number[labels], colours[kept]
 
 
-def _membership(labels: np.ndarray, coverage: np.ndarray, count: int) -> np.ndarray:
-    """Coverage of each colour: shared out by who owns the nearest strand pixels."""
+def _shared_out(
+    coverage: np.ndarray, labels: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Coverage of each colour (k, h, w), by who owns the nearest strand pixels; and the sum."""
     membership = _sparse_zeros((count, *labels.shape))
-    total = np.maximum(_around((labels > 0).view(np.uint8)), 1)
-    for colour in range(count):
-        own = (labels == colour + 1).view(np.uint8)
-        x, y, w, h = cv2.boundingRect(own)
-        box = np.s_[max(y - 1, 0) : y + h + 1, max(x - 1, 0) : x + w + 1]
-        share = cv2.divide(_around(own[box]), total[box], dtype=cv2.CV_32F)
-        cv2.multiply(share, coverage[box], dst=share)
-        at = np.flatnonzero(share)
-        row, column = np.divmod(at, share.shape[1])
-        place = (row + box[0].start) * labels.shape[1] + column + box[1].start
-        membership[colour].reshape(-1)[place] = share.ravel()[at]
-    return membership
+    total = _sparse_zeros(labels.shape)
+    lowest, highest = (extreme.ravel() for extreme in _around(labels))
+    at = np.flatnonzero(highest > 0)
+    total.ravel()[at] = covered = coverage.ravel()[at]
+    colour = highest[at].astype(np.intp) - 1
+    membership.reshape(-1)[colour * labels.size + at] = covered
+    several = lowest[at] < highest[at]
+    at, covered = at[several], covered[several]
+    membership.reshape(-1)[colour[several] * labels.size + at] = 0
+    neighbours = labels.ravel()[_places_around(at, labels.shape)]
+    covered = covered / (neighbours > 0).sum(axis=0)
+    for own in neighbours.astype(np.intp):
+        shared = np.flatnonzero(own)
+        membership.reshape(-1)[(own[shared] - 1) * labels.size + at[shared]] += covered[shared]
+    return membership, total
+
+
+def _places_around(at: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Places (9, n) in the flattened picture of the 3 x 3 pixels around each of these."""
+    y, x = np.divmod(at, shape[1])
+    rows = [(y + down).clip(0, shape[0] - 1) * shape[1] for down in (-1, 0, 1)]
+    columns = [(x + right).clip(0, shape[1] - 1) for right in (-1, 0, 1)]
+    return np.stack([row + column for row, column in product(rows, columns)])
 
 
 def _sparse_zeros(shape: tuple[int, ...]) -> np.ndarray:
@@ -339,8 +354,3 @@ def _sparse_zeros(shape: tuple[int, ...]) -> np.ndarray:
     """
     memory = mmap.mmap(-1, 4 * math.prod(shape), access=mmap.ACCESS_COPY)
     return np.frombuffer(memory, np.float32).reshape(shape)
-
-
-def _around(mask: np.ndarray) -> np.ndarray:
-    """Count the pixels of a mask in the 3 x 3 around each pixel."""
-    return cv2.boxFilter(mask, -1, (3, 3), normalize=False, borderType=cv2.BORDER_REFLECT)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from imaging.branches import End, branches, ends_of
-from imaging.centreline import arclength, normals, refine, sample
+from imaging.centreline import arclength, centred, normals, refine, sample
 from imaging.contact import known as know
 from imaging.contact import place
 from imaging.matching import bridge, chains, join, refund, within_colour
@@ -83,7 +83,9 @@ def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand
         In the order of the segmentation's colours; longer first within a colour.
     """
     covered = cv2.dilate((segmentation.labels > 0).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    coverage = segmentation.membership.sum(axis=0)
+    coverage = segmentation.coverage
+    if coverage is None:
+        coverage = segmentation.membership.sum(axis=0)
     lines = _lines(segmentation, covered, coverage)
     strands = [_strand(line, tones, segmentation, coverage) for line, tones in lines]
     strands = [s for s in strands if _is_whole(s, segmentation, coverage)]
@@ -198,7 +200,7 @@ def _centred(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: flo
     """Skeleton -> middle of the strand; a skeleton leans away from whatever hides a side."""
     if len(path) <= 1.5 * width:
         return path
-    return refine(path, own, coverage, width, rounds=1).line
+    return centred(path, own, coverage, width)
 
 
 def _connected(
