@@ -121,6 +121,7 @@ def _without_spurs(skeleton: np.ndarray, width: float) -> np.ndarray:
     spur[arm] = (short & loose & bound)[number]
     if not spur.any():
         return skeleton
+    spur |= knot & ~junction & (touching @ spur > 0)  # its stump, or else the junction stays
     x, y = points[spur].T
     skeleton[y, x] = False
     return skeletonize(skeleton)

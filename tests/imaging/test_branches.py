@@ -56,6 +56,14 @@ def test_a_ring_is_one_path_all_the_way_round():
     np.testing.assert_allclose(np.hypot(*(path - 100).T), 60, atol=1.5)
 
 
+def test_a_stump_shorter_than_a_strand_is_wide_parts_nothing():
+    bar = drawn([(20, 100), (180, 100)])
+    bar[100:107, 97:103] = True
+    (path,) = branches(bar, WIDTH)
+    assert is_simple(path)
+    assert np.ptp(path[:, 0]) > 140
+
+
 def test_specks_and_nothing_have_no_branch():
     assert branches(np.zeros((50, 50), bool), WIDTH) == []
     assert branches(drawn([(100, 100), (102, 100)]), WIDTH) == []
