@@ -18,6 +18,7 @@ OWN = 2.0  # cost of each strand width of a join under what is seen of its own c
 BULGES = np.linspace(-1, 1, 5)  # strand widths; sideways bends of a join that are tried
 DISTANCE = 0.1  # cost of each strand width of gap
 FARTHEST = 60.0  # strand widths
+MARGIN = 2.0  # cost; joins that are better than others by less are guesses
 
 
 Gain = tuple[int, int, float]  # a possible join: two ends, and how much less it costs than none
@@ -56,6 +57,49 @@ def join(ends: list[End], refunds: Iterable[float], gains: Iterable[Gain]) -> li
         for a, b in nx.max_weight_matching(graph.subgraph(part))
     ]
     return _without_rings(sorted(j for j in joins if j[0] // 2 != j[1] // 2), graph, ends)
+
+
+def doubtful(joins: Sequence[tuple[int, int]], gains: Iterable[Gain]) -> set[tuple[int, int]]:
+    """Find the joins that are hardly better than another, partners exchanged with one more join.
+
+    Parameters
+    ----------
+    joins : sequence of (int, int)
+        Ends joined, the lower first; those of piece i are 2 i and 2 i + 1.
+    gains : iterable of (int, int, float)
+        All joins there were to choose from.
+
+    Returns
+    -------
+    set of (int, int)
+        Of `joins`.
+    """
+    worth: dict[int, dict[int, float]] = {}
+    for i, j, gain in gains:
+        worth.setdefault(i, {})[j] = gain
+        worth.setdefault(j, {})[i] = gain
+    partner = dict(joins) | {b: a for a, b in joins}
+    return {
+        (a, b)
+        for a, b in joins
+        if min(_loss(a, b, worth, partner), _loss(b, a, worth, partner)) < MARGIN
+    }
+
+
+def _loss(
+    end: int, joined: int, worth: dict[int, dict[int, float]], partner: dict[int, int]
+) -> float:
+    """Return what is lost, at least, when an end is joined to another than it is."""
+    least = float("inf")
+    for other, gain in worth[end].items():
+        freed = partner.get(other)
+        loss = worth[end][joined] - gain
+        if other == joined or (freed is not None and freed // 2 == joined // 2):
+            continue
+        if freed is not None:
+            loss += worth[other][freed] - worth[joined].get(freed, 0)
+        least = min(least, loss)
+    return least
 
 
 def refund(length: float, broad: bool, width: float) -> float:

@@ -7,6 +7,7 @@ import pandas as pd
 
 from imaging.calibration import calibrate, filament_scale
 from imaging.crossings import crossings
+from imaging.doubts import doubt_notes
 from imaging.errors import Unmeasurable
 from imaging.helix_measurement import HelixMeasurement
 from imaging.interactions import densities, events, interactions
@@ -96,7 +97,7 @@ def measure(photo: Photo, request: Request | None = None, n_sec: int = 20) -> Me
         dense = _all_densities(lines, flat, flat_contacts, n_sec, _radius(strands))
     links, winding = wound(photo, segmentation, strands, winding_pairs(table))
     notes = notes_on(photo, segmentation, strands) + contact_notes(contacts, found)
-    notes += hidden_ends(strands) + winding
+    notes += hidden_ends(strands) + doubt_notes(strands) + winding
     return Measured(
         photo, segmentation, strands, table, contacts, found, dense, scale, links, notes
     )

@@ -6,8 +6,9 @@ the join lies in the open, and two colours where one strand changes from one to 
 joined lines to the middle between the strand's edges.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -17,18 +18,25 @@ from imaging.branches import End, branches, ends_of
 from imaging.centreline import arclength, centred, normals, refine, sample
 from imaging.contact import known as know
 from imaging.contact import place
-from imaging.matching import bridge, chains, join, refund, within_colour
+from imaging.doubled import broad_parts, drawn, is_in, stems
+from imaging.matching import Gain, bridge, chains, doubtful, join, refund, within_colour
 from imaging.photo import Photo
 from imaging.segment import Segmentation
-from imaging.two_tone import head_on, own_membership
+from imaging.two_tone import beneath, head_on, own_membership
 
 ROUNDS = 2  # of placing strands by what the others leave unexplained
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
 WHOLE = 3.0  # strand widths on which most of the width must be seen; else it is another's rim
 SEEN = 0.1  # of the length, the same
-BROAD = 1.3  # strand widths; what is seen of a colour there is two strands side by side,
-SIDE_BY_SIDE = 3.0  # strand widths; if for longer: the parts of a twisted pair are bellied
 SHARE = 0.3  # of the longest strand of the same colour; a shorter piece is a remnant
+
+
+class Chain(NamedTuple):
+    """Pieces joined: points (n, 2), their colours (n,), places (k, 2) of joins that are guesses."""
+
+    line: np.ndarray
+    tones: np.ndarray
+    doubts: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -49,6 +57,9 @@ class Strand:
         unless the strand changes its colour.
     ends : (str, str)
         ``free``, ``clipped`` by the picture's border, or ``hidden`` under another strand.
+    doubts : (k, 2) array
+        Places where its going on as it does is a guess: another strand of its colour could, or its
+        colour changes where it is not seen [px].
     """
 
     line: np.ndarray
@@ -57,6 +68,7 @@ class Strand:
     edges: np.ndarray
     tones: np.ndarray
     ends: tuple[str, str]
+    doubts: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
 
     @property
     def colour(self) -> int:
@@ -86,8 +98,8 @@ def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand
     coverage = segmentation.coverage
     if coverage is None:
         coverage = segmentation.membership.sum(axis=0)
-    lines = _lines(segmentation, covered, coverage)
-    strands = [_strand(line, tones, segmentation, coverage) for line, tones in lines]
+    chained = _chained(segmentation, covered, coverage)
+    strands = [_strand(chain, segmentation, coverage) for chain in chained]
     strands = [s for s in strands if _is_whole(s, segmentation, coverage)]
     if segmentation.contrast is None:
         return strands
@@ -118,7 +130,7 @@ def _settled(
             place=partial(place, own=known[number], others=others, picture=picture),
         )
         tones = _nearest_tones(fine.line, strand.line, strand.tones)
-        found.append(Strand(*fine, tones, strand.ends))
+        found.append(replace(strand, **fine._asdict(), tones=tones))
     return found
 
 
@@ -129,51 +141,51 @@ def _nearest_tones(line: np.ndarray, known: np.ndarray, tones: np.ndarray) -> np
     return tones[cKDTree(known).query(line)[1]]
 
 
-def _lines(
-    segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Points and colours of each chain of pieces that is long enough to be a strand."""
-    width, labels = segmentation.width, segmentation.labels
+def _chained(segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarray) -> list[Chain]:
+    """Chains of pieces that are long enough to be a strand."""
     pieces = _pieces(segmentation, coverage)
-    paths, colours = [path for path, _ in pieces], [colour for _, colour in pieces]
-    ends = ends_of(paths, width)
-    gains = head_on(ends, np.repeat(colours, 2), coverage, width)
-    refunds = []
+    ends = ends_of([path for path, _ in pieces], segmentation.width)
+    refunds, gains, guesses = _choices(pieces, ends, segmentation, covered, coverage)
+    joins = join(ends, refunds, gains)
+    unsure = doubtful(joins, gains) | (set(joins) & guesses)
+    walks = chains(len(pieces), joins)
+    found = [_connected(walk, pieces, ends, unsure) for walk in walks]
+    return _long_enough(found, segmentation.width)
+
+
+def _choices(
+    pieces: list[tuple[np.ndarray, int]],
+    ends: list[End],
+    segmentation: Segmentation,
+    covered: np.ndarray,
+    coverage: np.ndarray,
+) -> tuple[list[float], list[Gain], set[tuple[int, int]]]:
+    """Tell what may be left out, what may be joined, and which joins change colour unseen."""
+    width, labels = segmentation.width, segmentation.labels
+    colours = np.array([colour for _, colour in pieces], int)
+    seen = head_on(ends, np.repeat(colours, 2), coverage, width)
+    known = {(i, j) for i, j, _ in seen}
+    unseen = [
+        gain
+        for gain in beneath(ends, np.repeat(colours, 2), labels, width)
+        if gain[:2] not in known
+    ]
+    refunds, gains = [], seen + unseen
     for colour in range(len(segmentation.colours)):
-        own = labels == colour + 1
-        broad = _broad(own, width)
         first, last = np.searchsorted(colours, [colour, colour + 1]).tolist()
-        refunds += [refund(*_extent(path, broad), width) for path in paths[first:last]]
-        within = within_colour(ends[2 * first : 2 * last], covered, own & ~broad, width)
-        gains += [(i + 2 * first, j + 2 * first, gain) for i, j, gain in within]
-    found = chains(len(paths), join(ends, refunds, gains))
-    return _long_enough([_connected(walk, pieces, ends) for walk in found], width)
-
-
-def _broad(mask: np.ndarray, width: float) -> np.ndarray:
-    """Where what is seen of a colour is broader than one strand: two of them side by side."""
-    broad = np.zeros_like(mask)
-    x, y, w, h = cv2.boundingRect(mask.astype(np.uint8))
-    box = np.s_[y : y + h, x : x + w]
-    depth = cv2.distanceTransform(np.pad(mask[box], 1).astype(np.uint8), cv2.DIST_L2, 5)
-    core = depth[1:-1, 1:-1] > 0.5 * (BROAD * width + 1)  # depths count from pixel centres
-    if not core.any():
-        return broad
-    _, number, stats, _ = cv2.connectedComponentsWithStats(core.astype(np.uint8))
-    extent = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
-    core &= (extent > SIDE_BY_SIDE * width)[number]
-    if core.any():
-        away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
-        broad[box] = away < 0.75 * width
-    return broad
-
-
-def _extent(path: np.ndarray, broad: np.ndarray) -> tuple[float, bool]:
-    """Length of a piece [px], and whether most of it is broad."""
-    x, y = np.rint(path).astype(int).T
-    last_y, last_x = np.subtract(broad.shape, 1)
-    inside = broad[y.clip(0, last_y), x.clip(0, last_x)]
-    return float(arclength(path)[-1]), bool(inside.mean() > 0.5)
+        paths = [path for path, _ in pieces[first:last]]
+        own_ends = ends[2 * first : 2 * last]
+        broad = broad_parts(labels == colour + 1, width)
+        double = stems(own_ends, width) | [is_in(path, broad) for path in paths]
+        lengths = [float(arclength(path)[-1]) for path in paths]
+        refunds += [refund(*piece, width) for piece in zip(lengths, double.tolist(), strict=True)]
+        single = [path for path, two in zip(paths, double, strict=True) if not two]
+        own = drawn(single, labels.shape, width) & ~broad
+        gains += [
+            (i + 2 * first, j + 2 * first, gain)
+            for i, j, gain in within_colour(own_ends, covered, own, width)
+        ]
+    return refunds, gains, {(i, j) for i, j, _ in unseen}
 
 
 def _pieces(segmentation: Segmentation, coverage: np.ndarray) -> list[tuple[np.ndarray, int]]:
@@ -204,47 +216,50 @@ def _centred(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: flo
 
 
 def _connected(
-    walk: list[tuple[int, bool]], pieces: list[tuple[np.ndarray, int]], ends: list[End]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Points of a chain of pieces with bridges between them, and their colours."""
-    parts, tones = [], []
+    walk: list[tuple[int, bool]],
+    pieces: list[tuple[np.ndarray, int]],
+    ends: list[End],
+    unsure: set[tuple[int, int]],
+) -> Chain:
+    """Join pieces by bridges between them."""
+    parts, tones, doubts = [], [], []
     for step, (branch, reverse) in enumerate(walk):
         path, colour = pieces[branch]
         if step:
             before, was_reverse = walk[step - 1]
-            gap = bridge(ends[2 * before + (not was_reverse)], ends[2 * branch + reverse])[1:-1]
+            leave, entry = 2 * before + (not was_reverse), 2 * branch + reverse
+            gap = bridge(ends[leave], ends[entry])[1:-1]
             parts.append(gap)
             tones.append(np.full(len(gap), colour))
             tones[-1][: len(gap) // 2] = pieces[before][1]
+            if (min(leave, entry), max(leave, entry)) in unsure:
+                doubts.append((ends[leave].point + ends[entry].point) / 2)
         parts.append(path[::-1] if reverse else path)
         tones.append(np.full(len(path), colour))
-    return np.concatenate(parts), np.concatenate(tones)
+    return Chain(np.concatenate(parts), np.concatenate(tones), np.reshape(doubts, (-1, 2)))
 
 
-def _long_enough(
-    chained: list[tuple[np.ndarray, np.ndarray]], width: float
-) -> list[tuple[np.ndarray, np.ndarray]]:
+def _long_enough(chained: list[Chain], width: float) -> list[Chain]:
     """Drop specks and remnants; the rest in the order of the colours, longer first."""
     longest: dict[int, float] = {}
     ranked = []
-    for line, tones in chained:
-        colour, length = _main(tones), float(arclength(line)[-1])
+    for chain in chained:
+        colour, length = _main(chain.tones), float(arclength(chain.line)[-1])
         longest[colour] = max(longest.get(colour, 0), length)
-        ranked.append((colour, length, line, tones))
+        ranked.append((colour, length, chain))
     ranked.sort(key=lambda one: (one[0], -one[1]))
     return [
-        (line, tones)
-        for colour, length, line, tones in ranked
+        chain
+        for colour, length, chain in ranked
         if length >= max(SHORTEST * width, SHARE * longest[colour])
     ]
 
 
-def _strand(
-    line: np.ndarray, tones: np.ndarray, segmentation: Segmentation, coverage: np.ndarray
-) -> Strand:
+def _strand(chain: Chain, segmentation: Segmentation, coverage: np.ndarray) -> Strand:
     width, labels = segmentation.width, segmentation.labels
+    line, tones, doubts = chain
     if line[0, 1] > line[-1, 1]:
-        line, tones = line[::-1], tones[::-1]
+        line, tones, doubts = line[::-1], tones[::-1], doubts[::-1]
     own = own_membership(segmentation, coverage, line, tones)
     longer = _extended(_extended(line, own, width)[::-1], own, width)[::-1]
     fine = refine(longer, own, coverage, width)
@@ -252,7 +267,7 @@ def _strand(
         _kind(fine.line[::-1], labels, tones[0], width),
         _kind(fine.line, labels, tones[-1], width),
     )
-    return Strand(*fine, _nearest_tones(fine.line, line, tones), ends)
+    return Strand(*fine, _nearest_tones(fine.line, line, tones), ends, doubts)
 
 
 def _extended(line: np.ndarray, own: np.ndarray, width: float) -> np.ndarray:

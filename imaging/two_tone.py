@@ -2,8 +2,9 @@
 
 Two colours are one strand where the end of a piece of one faces the end of a piece of the other,
 and the outline around both is that of a single strand: it neither narrows nor steps aside where
-the colour changes. Ends of two strands that merely meet leave a notch or a step. A change of colour
-beneath another strand, or in contact with one, leaves no outline to judge by: it stays two strands.
+the colour changes. Ends of two strands that merely meet leave a notch or a step. A change of
+colour beneath another strand, or in contact with one, leaves no outline to judge by: there two ends
+in line are joined as a guess, at a price.
 """
 
 from collections.abc import Sequence
@@ -22,6 +23,12 @@ CORNER = 0.6  # rad; strands that meet at a larger angle are two
 AROUND = 1.0  # strand widths beyond both ends over which the outline is looked at
 NARROW, WIDE = 0.85, 1.15  # of its width beside the change; a notch is narrower, two strands wider
 ASIDE = 0.06  # strand widths (RMS) by which its middle may leave a parabola
+UNSEEN = 1.25 * GIVE_UP  # price of a join across colours where the change is not seen
+UNSEEN_FARTHEST = 12.0  # strand widths between the ends, the same
+UNSEEN_BEND = 4.0  # times what a join that is seen bends; its two colours speak against it
+BARE = 3.0  # cost of each strand width of such a join that no third strand hides or touches
+MOST_BARE = 0.6  # of its length; a change more in the open than that would be seen
+BESIDE = 1.2  # strand widths to the side at which a third strand is looked for
 BLEND = 2.0  # strand widths around a change of colour in which any colour is the strand's own
 
 
@@ -81,6 +88,58 @@ def _one_outline(first: End, second: End, coverage: np.ndarray, width: float) ->
     smooth = np.polynomial.polynomial.polyfit(at, middle, 2)
     off = middle - np.polynomial.polynomial.polyval(at, smooth).T
     return bool(np.sqrt((off**2).sum(axis=1).mean()) < ASIDE * width)
+
+
+def beneath(
+    ends: Sequence[End], colours: np.ndarray, labels: np.ndarray, width: float
+) -> list[Gain]:
+    """Find ends of different colours that continue each other beneath or beside a third strand.
+
+    That both strands end there, in line and out of sight, is less likely than that one changes its
+    colour; that the ends found are not the strands' own is likelier than either, hence the price.
+
+    Parameters
+    ----------
+    ends : sequence of End
+    colours : (n,) int array
+        Of each end.
+    labels : (h, w) int array
+        1 + the colour seen, 0 = ground.
+    width : float
+        Strand width [px].
+
+    Returns
+    -------
+    list of (int, int, float)
+        Indices into `ends`, and how much less the join costs than to leave both.
+    """
+    if len(ends) < 2:
+        return []
+    points, directions, _ = as_arrays(ends)
+    i, j = np.nonzero(np.triu(np.not_equal.outer(colours, colours), 1))
+    bend, gap = bending(points[i], directions[i], points[j], directions[j], width)
+    gain = 2 * GIVE_UP - UNSEEN - UNSEEN_BEND * bend
+    straight = -(directions[i] * directions[j]).sum(axis=1) > np.cos(CORNER)
+    good = (gain > 0) & (gap < UNSEEN_FARTHEST * width) & straight
+    found = []
+    for a, b, most in zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True):
+        own = (colours[a] + 1, colours[b] + 1)
+        path = bridge(ends[a], ends[b])
+        bare = _bare(path, labels, own, width)
+        left = most - BARE * bare.sum() / width
+        if left > 0 and bare.mean() < MOST_BARE:
+            found.append((a, b, left))
+    return found
+
+
+def _bare(path: np.ndarray, labels: np.ndarray, own: tuple[int, int], width: float) -> np.ndarray:
+    """Tell which points of a join lie on the ground or have no third strand over or beside them."""
+    aside = BESIDE * width * normals(path)
+    x, y = np.rint([path - aside, path, path + aside]).astype(int).transpose(2, 0, 1)
+    last_y, last_x = np.subtract(labels.shape, 1)
+    seen = labels[y.clip(0, last_y), x.clip(0, last_x)]
+    third = (seen > 0) & (seen != own[0]) & (seen != own[1])
+    return (seen[1] == 0) | ~third.any(axis=0)
 
 
 def own_membership(

@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from imaging import Photo, Segmentation, Strand, crossings, segment, trace
+from imaging.doubts import doubt_notes
 from imaging.overlay import labels_picture
 from imaging.synthetic import render
 
@@ -82,9 +83,28 @@ def test_a_strand_of_one_of_its_colours_stays_apart():
         )
 
 
-def test_a_change_beneath_another_strand_is_not_seen():
+def test_a_change_beneath_another_strand_is_a_guess():
     at = crossings([wave(), wave(np.pi)])["y"].iloc[0]
     strands, _ = traced([wave(), wave(np.pi)], [FLAT, FLAT + 20], [dyed(RED, BLUE, at), GREEN])
+    changed, plain = sorted(strands, key=lambda strand: -len(set(strand.tones)))
+    assert [len(set(strand.tones)) for strand in (changed, plain)] == [2, 1]
+    assert np.percentile(off(changed.line, wave()), 97) < 1
+    (doubt,) = changed.doubts
+    np.testing.assert_allclose(doubt, [110, at], atol=4)
+    assert len(plain.doubts) == 0
+    (note,) = doubt_notes(strands)
+    assert f"(110, {at:.0f})" in note or f"({doubt[0]:.0f}, {doubt[1]:.0f})" in note
+
+
+@pytest.mark.parametrize("step", [0, 9])
+def test_two_strands_that_end_beneath_a_third_out_of_line_are_two(step):
+    """Upper and lower ends lie under one bar, turned or moved against each other."""
+    above = np.stack([FLAT + 90, np.linspace(20, 180, len(Y))], axis=1)
+    turn = 0 if step else 1.0
+    along = np.linspace(0, 130, len(Y))
+    below = [90.0 + step, 182] + along[:, None] * np.array([np.sin(turn), np.cos(turn)])
+    bar = np.stack([np.linspace(20, 200, len(Y)), FLAT + 181], axis=1)
+    strands, _ = traced([above, below, bar], [FLAT, FLAT, FLAT + 20], [RED, BLUE, GREEN])
     assert len(strands) == 3
     assert all(len(set(strand.tones)) == 1 for strand in strands)
 

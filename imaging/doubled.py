@@ -1,0 +1,114 @@
+"""Where two strands of one colour lie over or beside each other, and look like one.
+
+Both may then be joined past what is seen of them there: it costs them nothing, and the piece
+between may be left out of every strand. Two signs tell such a piece: what is seen is broader than
+one strand for long, or the piece forks at both its ends, as where two cross at a small angle.
+"""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from scipy.spatial import cKDTree
+
+from imaging.branches import End
+
+BROAD = 1.3  # strand widths; what is seen of a colour there is two strands side by side,
+SIDE_BY_SIDE = 3.0  # strand widths; if for longer: the parts of a twisted pair are bellied
+AHEAD = 4.0  # strand widths from an end to those it forks into
+ASIDE = 1.5  # strand widths by which these may lie off its direction
+SPREAD = np.radians(50)  # most by which they may turn from it
+OWN = 2.0  # strand widths across a piece on which a join runs under its own colour
+
+
+def broad_parts(mask: np.ndarray, width: float) -> np.ndarray:
+    """Where what is seen of a colour is broader than one strand: two of them side by side.
+
+    Parameters
+    ----------
+    mask : (h, w) bool array
+        Where the colour is seen.
+    width : float
+        Strand width [px].
+
+    Returns
+    -------
+    (h, w) bool array
+    """
+    broad = np.zeros_like(mask)
+    x, y, w, h = cv2.boundingRect(mask.astype(np.uint8))
+    box = np.s_[y : y + h, x : x + w]
+    depth = cv2.distanceTransform(np.pad(mask[box], 1).astype(np.uint8), cv2.DIST_L2, 5)
+    core = depth[1:-1, 1:-1] > 0.5 * (BROAD * width + 1)  # depths count from pixel centres
+    if not core.any():
+        return broad
+    _, number, stats, _ = cv2.connectedComponentsWithStats(core.astype(np.uint8))
+    extent = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
+    core &= (extent > SIDE_BY_SIDE * width)[number]
+    if core.any():
+        away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
+        broad[box] = away < 0.75 * width
+    return broad
+
+
+def is_in(path: np.ndarray, mask: np.ndarray) -> bool:
+    """Tell whether most of a piece lies in a mask."""
+    x, y = np.rint(path).astype(int).T
+    last_y, last_x = np.subtract(mask.shape, 1)
+    return bool(mask[y.clip(0, last_y), x.clip(0, last_x)].mean() > 0.5)
+
+
+def drawn(paths: Sequence[np.ndarray], shape: tuple[int, int], width: float) -> np.ndarray:
+    """Mask (h, w) of the bands along pieces in which a join runs under its own colour.
+
+    Not where the colour is seen, but along its pieces: these stop short of crossings, through which
+    two strands of one colour must both be able to pass at no cost.
+    """
+    bands = np.zeros(shape, np.uint8)
+    for path in paths:
+        cv2.polylines(bands, [np.rint(path).astype(np.int32)], False, 1, max(1, round(OWN * width)))
+    return bands > 0
+
+
+def stems(ends: Sequence[End], width: float) -> np.ndarray:
+    """Tell which pieces of one colour fork at both their ends.
+
+    Parameters
+    ----------
+    ends : sequence of End
+        Those of piece i are 2 i and 2 i + 1.
+    width : float
+        Strand width [px].
+
+    Returns
+    -------
+    (n,) bool array
+        One a piece.
+    """
+    ahead = _ahead(ends, width)
+    forks = np.array([_forks(end, ahead) for end in range(len(ends))], bool)
+    return forks[0::2] & forks[1::2]
+
+
+def _ahead(ends: Sequence[End], width: float) -> list[set[int]]:
+    """Find the ends that lie ahead of each end and face it."""
+    found: list[set[int]] = [set() for _ in ends]
+    if len(ends) < 6:
+        return found
+    points = np.array([e.point for e in ends])
+    directions = np.array([e.direction for e in ends])
+    pairs = cKDTree(points).query_pairs(AHEAD * width, output_type="ndarray")
+    i, j = np.concatenate([pairs, pairs[:, ::-1]]).T
+    way, chord = directions[i], points[j] - points[i]
+    aside = np.abs(way[:, 0] * chord[:, 1] - way[:, 1] * chord[:, 0])
+    good = (i // 2 != j // 2) & (aside < ASIDE * width)
+    good &= ((way * chord).sum(axis=1) > 0) & ((directions[j] * chord).sum(axis=1) < 0)
+    good &= -(way * directions[j]).sum(axis=1) > np.cos(SPREAD)
+    for a, b in zip(i[good].tolist(), j[good].tolist(), strict=True):
+        found[a].add(b)
+    return found
+
+
+def _forks(end: int, ahead: list[set[int]]) -> bool:
+    """Tell whether two ends lie ahead that have no other than this one ahead of them."""
+    return sum(ahead[other] <= {end} for other in ahead[end]) >= 2

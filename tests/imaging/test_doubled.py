@@ -1,0 +1,87 @@
+"""Strands of one colour that cross, and what is said where they could have gone on otherwise."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from imaging import Photo, segment, trace
+from imaging.branches import ends_of
+from imaging.doubled import stems
+from imaging.doubts import doubt_notes
+from imaging.matching import doubtful
+from imaging.synthetic import render
+
+BLUE = (0.1, 0.3, 0.8)
+SHAPE = (320, 260)
+MIDDLE = np.array([130.0, 160])
+
+
+def straight(angle: float, length: float = 270.0) -> np.ndarray:
+    """Line through the middle, `angle` degrees from the vertical."""
+    along = np.linspace(-length / 2, length / 2, 600)[:, None]
+    return MIDDLE + along * [np.sin(np.radians(angle)), np.cos(np.radians(angle))]
+
+
+def traced(lines, radius=2.6):
+    heights = [np.full(len(line), 8.0 * i) for i, line in enumerate(lines)]
+    drawn = render(lines, heights, [BLUE] * len(lines), radius, SHAPE, rng=5)
+    return trace(segment(Photo(drawn.pixels)))
+
+
+@pytest.mark.parametrize("angle", [15, 18, 22, 26, 30, 45, 70, 90])
+def test_strands_of_one_colour_that_cross_go_straight_on(angle):
+    lines = [straight(20 - angle / 2), straight(20 + angle / 2)]
+    strands = traced(lines)
+    assert len(strands) == 2
+    for line in lines:
+        assert min(np.percentile(cKDTree(line).query(s.line)[0], 97) for s in strands) < 1.2
+
+
+def test_a_short_arm_between_crossings_is_followed():
+    """Three strands of one colour cross within a few widths of each other."""
+    lines = [straight(angle) + [shift, 0] for angle, shift in ((-35, 0), (5, 12), (40, 24))]
+    strands = traced(lines)
+    assert len(strands) == 3
+    for line in lines:
+        assert min(np.percentile(cKDTree(line).query(s.line)[0], 97) for s in strands) < 1.2
+
+
+def drawing(*paths):
+    """Return the ends of straight pieces given by their first and last points."""
+    return ends_of([np.linspace(a, b, 12) for a, b in paths], width=5.0)
+
+
+def test_the_stem_of_a_crossing_is_told_from_a_single_strand():
+    stem = ((0, -8), (0, 8))
+    arms = [((x, 20 * side), (3 * x, 50 * side)) for x in (-3, 3) for side in (-1, 1)]
+    assert stems(drawing(stem, *arms), 5.0).tolist() == [True, False, False, False, False]
+    assert not stems(drawing(stem, *arms[:3]), 5.0).any()
+
+
+def test_a_link_between_two_crossings_is_no_stem():
+    """Two strands cross a third: whichever piece of it lies ahead, it is alone."""
+    third = [((0, -40), (0, -17)), ((0, -8), (0, 8)), ((0, 17), (0, 40))]
+    across = [((sx * 5, y), (sx * 30, y)) for sx in (-1, 1) for y in (-12.5, 12.5)]
+    assert not stems(drawing(*third, *across), 5.0).any()
+
+
+def test_joins_are_guesses_where_exchanged_partners_cost_little_more():
+    joins = [(1, 2), (5, 6)]
+    clear = [(1, 2, 30.0), (5, 6, 30.0), (1, 6, 20.0), (2, 5, 28.0)]
+    assert doubtful(joins, clear) == set()
+    close = [(1, 2, 30.0), (5, 6, 30.0), (1, 6, 30.0), (2, 5, 29.0)]
+    assert doubtful(joins, close) == set(joins)
+    assert doubtful([(1, 2)], [(1, 2, 30.0), (1, 4, 29.5)]) == {(1, 2)}
+
+
+def test_strands_that_run_on_each_other_are_guesses_and_clean_crossings_are_not():
+    y = np.linspace(20, 300, 600)
+    apart = 0.2 + 25 * ((np.abs(y - 160) - 40).clip(0) / 100) ** 2
+    along = traced([np.stack([130 + side * apart, y], axis=1) for side in (-1, 1)])
+    assert len(along) == 2
+    assert all(len(strand.doubts) for strand in along)
+    (note,) = doubt_notes(along)
+    assert "1 at" in note
+    assert "2 at" in note
+    across = traced([straight(-30), straight(40)])
+    assert doubt_notes(across) == []
