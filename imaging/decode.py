@@ -114,7 +114,7 @@ def _decode_common(path: Path, formats: tuple[str, ...]) -> Decoded:
             pixels = _opencv(path)
         else:
             mode = "RGBA" if image.has_transparency_data else "RGB"
-            pixels = np.asarray(image.convert(mode))
+            pixels = np.asarray(image if image.mode == mode else image.convert(mode))
         exif, orientation = _exif(image)  # after decoding: Pillow turns 8-bit TIFF by itself
     return Decoded(_eight_or_sixteen(path, pixels), exif, orientation)
 

@@ -12,6 +12,7 @@ RIM = 5  # empty cells around the histogram, more than its smoothing reaches
 LIGHTNESS_WEIGHT = 0.35  # of log(L + 16) beside (a, b)/(L + 16)
 PROMINENCE = 0.5  # a mode of the histogram must rise this far above the pass to a higher one
 SPREAD = 0.2  # strand widths; how far a pixel's vote reaches (sd)
+FARTHEST = 3.0  # of these; no vote reaches farther
 BAND = 512  # rows in which votes are counted at once
 BLUR = 0.9  # px; votes reach at least as far as a lens blurs
 RIDGE_SHARE = 0.02  # of all ridge pixels, below which a colour is not a strand
@@ -162,7 +163,7 @@ def vote(
     nearest = _nearest(features, centres)
     y, x = np.divmod(np.flatnonzero(strand), strand.shape[1])
     sigma = max(SPREAD * width, BLUR)
-    reach = int(np.ceil(5 * sigma))
+    reach = int(np.ceil(FARTHEST * sigma))
     labels = np.zeros(strand.shape, np.uint8)
     for top in range(0, len(strand), BAND):  # the box around a strand holds little else there
         low, high = max(top - reach, 0), min(top + BAND + reach, len(strand))
@@ -202,9 +203,10 @@ def _spread_out(
     y: np.ndarray, x: np.ndarray, weight: np.ndarray, shape: tuple[int, ...], sigma: float
 ) -> tuple[np.ndarray, tuple[slice, slice]]:
     """Weights of pixels, blurred, and the rows and columns of the picture they reach."""
-    reach = int(np.ceil(5 * sigma))
+    reach = int(np.ceil(FARTHEST * sigma))
     top, left = max(int(y.min()) - reach, 0), max(int(x.min()) - reach, 0)
     bottom, right = min(int(y.max()) + reach + 1, shape[0]), min(int(x.max()) + reach + 1, shape[1])
     votes = np.zeros((bottom - top, right - left), np.float32)
     votes[y - top, x - left] = weight
-    return cv2.GaussianBlur(votes, (0, 0), sigma), np.s_[top:bottom, left:right]
+    side = 2 * reach + 1
+    return cv2.GaussianBlur(votes, (side, side), sigma), np.s_[top:bottom, left:right]

@@ -92,19 +92,28 @@ def segment(photo: Photo) -> Segmentation:
     lab = photo.lab()
     ground = ground_of(lab, photo.ignore)
     coverage, width = _coverage(photo.source, contrast_of(lab, ground), photo.ignore)
-    strand = coverage > EDGE
-    features, say, centres, colours = _palette(lab, ground, coverage, width)
-    if len(colours):
-        labels, depth, width = _voted(features, strand, centres, width, say)
-        blocks = _blocks(labels, depth, width)
-        labels[blocks] = 0
-        width = _strip_width(depth[labels > 0])
-        labels, colours = _with_enough(labels, colours, width)
+    labels, colours, width, blocks = _labelled(lab, ground, coverage, width)
     if len(colours) == 0:
         raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
-    membership, coverage = _shared_out(coverage, labels, len(colours))
+    membership = _shared_out(coverage, labels, len(colours))
     contrast = in_even_light(lab, ground)
     return Segmentation(labels, membership, colours, width, contrast, blocks, coverage)
+
+
+def _labelled(
+    lab: np.ndarray, ground: Ground, coverage: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+    """Colour of each pixel (h, w), colours, width of the strands, and what is no strand (h, w)."""
+    strand = coverage > EDGE
+    features, say, centres, colours = _palette(lab, ground, coverage, width)
+    if len(colours) == 0:
+        return np.zeros(strand.shape, np.uint8), colours, width, np.zeros_like(strand)
+    labels, depth, width = _voted(features, strand, centres, width, say)
+    blocks = _blocks(labels, depth, width)
+    labels[blocks] = 0
+    width = _strip_width(depth[labels > 0])
+    labels, colours = _with_enough(labels, colours, width)
+    return labels, colours, width, blocks
 
 
 def _palette(
@@ -317,26 +326,27 @@ def _with_enough(
     return number[labels], colours[kept]
 
 
-def _shared_out(
-    coverage: np.ndarray, labels: np.ndarray, count: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Coverage of each colour (k, h, w), by who owns the nearest strand pixels; and the sum."""
+def _shared_out(coverage: np.ndarray, labels: np.ndarray, count: int) -> np.ndarray:
+    """Coverage of each colour (k, h, w), by who owns the nearest strand pixels.
+
+    What nobody owns is taken out of `coverage`, in place: it is the sum.
+    """
     membership = _sparse_zeros((count, *labels.shape))
-    total = _sparse_zeros(labels.shape)
-    lowest, highest = (extreme.ravel() for extreme in _around(labels))
+    flat = membership.reshape(-1)
+    lowest, highest = _around(labels)
+    coverage[highest == 0] = 0
     at = np.flatnonzero(highest > 0)
-    total.ravel()[at] = covered = coverage.ravel()[at]
-    colour = highest[at].astype(np.intp) - 1
-    membership.reshape(-1)[colour * labels.size + at] = covered
-    several = lowest[at] < highest[at]
-    at, covered = at[several], covered[several]
-    membership.reshape(-1)[colour[several] * labels.size + at] = 0
+    colour = highest.ravel()[at].astype(np.intp) - 1
+    several = lowest.ravel()[at] <= colour
+    one = ~several
+    flat[colour[one] * labels.size + at[one]] = coverage.ravel()[at[one]]
+    at = at[several]
     neighbours = labels.ravel()[_places_around(at, labels.shape)]
-    covered = covered / (neighbours > 0).sum(axis=0)
+    share = coverage.ravel()[at] / (neighbours > 0).sum(axis=0)
     for own in neighbours.astype(np.intp):
-        shared = np.flatnonzero(own)
-        membership.reshape(-1)[(own[shared] - 1) * labels.size + at[shared]] += covered[shared]
-    return membership, total
+        shown = own > 0
+        flat[(own[shown] - 1) * labels.size + at[shown]] += share[shown]
+    return membership
 
 
 def _places_around(at: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
