@@ -1,6 +1,6 @@
 """Join the pieces of a colour into strands: one global matching of their ends."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
 
 import networkx as nx  # type: ignore[import-untyped]
@@ -19,6 +19,9 @@ BULGES = np.linspace(-1, 1, 5)  # strand widths; sideways bends of a join that a
 DISTANCE = 0.1  # cost of each strand width of gap
 FARTHEST = 60.0  # strand widths
 MARGIN = 2.0  # cost; joins that are better than others by less are guesses
+ROWS = 10  # points of a join in each strand width, at most one a pixel
+STEP_UP = 32  # points; so that joins of about the same length have the same number
+AT_ONCE = 2**14  # points of joins worked on together: they stay in the processor's cache
 
 
 Gain = tuple[int, int, float]  # a possible join: two ends, and how much less it costs than none
@@ -142,31 +145,45 @@ def within_colour(
     bend, gap = bending(points[i], directions[i], points[j], directions[j], width)
     gain = 2 * GIVE_UP - bend - DISTANCE * gap / width
     good = (gain > 0) & (gap < FARTHEST * width)
-    found = []
-    for a, b, most in zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True):
-        left = most - _toll(bridge(ends[a], ends[b]), covered, own, width)
-        if left > 0:
-            found.append((a, b, left))
-    return found
+    i, j, gain = i[good], j[good], gain[good]
+    for some, count in _of_a_length(gap[good] / max(1, width / ROWS)):
+        ends_of_some = points[i[some]], directions[i[some]], points[j[some]], directions[j[some]]
+        paths = _hermite(*ends_of_some, np.linspace(0, 1, count))
+        gain[some] -= _toll(paths, covered, own, width)
+    left = gain > 0
+    return list(zip(i[left].tolist(), j[left].tolist(), gain[left].tolist(), strict=True))
 
 
-def _toll(path: np.ndarray, covered: np.ndarray, own: np.ndarray, width: float) -> float:
-    """Cost of what a join runs over, of several that bulge to one side or the other.
+def _of_a_length(count: np.ndarray) -> Iterator[tuple[np.ndarray, int]]:
+    """Yield joins of about as many points, to be worked on together: which, and how many points."""
+    points = (np.ceil(count / STEP_UP) * STEP_UP).astype(int)
+    for many in np.unique(points).tolist():
+        same = np.flatnonzero(points == many)
+        for start in range(0, len(same), AT_ONCE // many + 1):
+            yield same[start : start + AT_ONCE // many + 1], many
+
+
+def _toll(paths: np.ndarray, covered: np.ndarray, own: np.ndarray, width: float) -> np.ndarray:
+    """Cost (n,) of what joins (n, m, 2) run over, of several that bulge to one side or the other.
 
     Where a strand disappears its last direction is not well known: a bulge of h over a gap g turns
     both ends by 4 h/g, which costs what any turn does.
     """
-    chord = path[-1] - path[0]
-    gap = max(float(np.hypot(*chord)), 1e-6)
+    chord = paths[:, -1] - paths[:, 0]
+    gap = np.maximum(np.hypot(*chord.T), 1e-6)[:, None]
     bulge = width * BULGES
-    v = np.linspace(0, 1, len(path))
-    aside = np.outer(4 * v * (1 - v), [-chord[1], chord[0]]) / gap
-    x, y = np.rint(path + bulge[:, None, None] * aside).astype(int).transpose(2, 0, 1)
+    v = np.linspace(0, 1, paths.shape[1])
+    aside = 4 * bulge[:, None] * v * (1 - v)
+    normal = np.stack([-chord[:, 1], chord[:, 0]]) / gap.T
+    middle = np.ascontiguousarray(np.moveaxis(paths, -1, 0))
+    x, y = np.rint(middle[:, :, None] + normal[:, :, None, None] * aside).astype(np.int32)
     height, across = covered.shape
     inside = (x >= 0) & (y >= 0) & (x < across) & (y < height)
-    at = y.clip(0, height - 1), x.clip(0, across - 1)
-    over = ((EXPOSED * ~covered[at] + OWN * own[at]) * inside).sum(axis=1) / width
-    return float((over + 2 * (4 * bulge / (gap * TURN)) ** 2).min())
+    at = np.where(inside, y * across + x, 0)
+    exposed = (inside & ~covered.ravel()[at]).sum(axis=2)
+    beneath = (inside & own.ravel()[at]).sum(axis=2)
+    over = (EXPOSED * exposed + OWN * beneath) * (gap / (width * len(v)))
+    return (over + 2 * (4 * bulge / (gap * TURN)) ** 2).min(axis=1)
 
 
 def as_arrays(ends: Sequence[End]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -200,13 +217,19 @@ def _angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def bridge(a: End, b: End) -> np.ndarray:
     """Cubic Hermite curve from one end to another, a point a pixel, both ends included."""
     gap = float(np.hypot(*(b.point - a.point)))
-    v = np.linspace(0, 1, max(2, int(np.ceil(gap)) + 1))[:, None]
-    return (
-        (2 * v**3 - 3 * v**2 + 1) * a.point
-        + (v**3 - 2 * v**2 + v) * gap * a.direction
-        + (3 * v**2 - 2 * v**3) * b.point
-        - (v**3 - v**2) * gap * b.direction
-    )
+    v = np.linspace(0, 1, max(2, int(np.ceil(gap)) + 1))
+    return _hermite(a.point, a.direction, b.point, b.direction, v)
+
+
+def _hermite(
+    p: np.ndarray, t: np.ndarray, q: np.ndarray, u: np.ndarray, v: np.ndarray
+) -> np.ndarray:
+    """Cubic (..., m, 2) from p, where it points to t, to q, where it comes from u (..., 2)."""
+    gap = np.hypot(*np.moveaxis(q - p, -1, 0))[..., None]
+    start, go = 2 * v**3 - 3 * v**2 + 1, v**3 - 2 * v**2 + v
+    stop, come = 3 * v**2 - 2 * v**3, v**2 - v**3
+    weights = np.stack([start, go, stop, come], axis=1)
+    return weights @ np.stack([p, gap * t, q, gap * u], axis=-2)
 
 
 def _without_rings(
