@@ -15,7 +15,7 @@ from imaging.branches import End
 
 BROAD = 1.3  # strand widths; what is seen of a colour there is two strands side by side,
 SIDE_BY_SIDE = 3.0  # strand widths; if for longer: the parts of a twisted pair are bellied
-AHEAD = 4.0  # strand widths from an end to those it forks into
+AHEAD = 6.0  # strand widths from an end to those it forks into
 ASIDE = 1.5  # strand widths by which these may lie off its direction
 SPREAD = np.radians(50)  # most by which they may turn from it
 OWN = 2.0  # strand widths across a piece on which a join runs under its own colour

@@ -18,6 +18,7 @@ from imaging.branches import End, branches, ends_of
 from imaging.centreline import arclength, centred, normals, refine, sample
 from imaging.contact import known as know
 from imaging.contact import place
+from imaging.corners import without_corners
 from imaging.doubled import broad_parts, drawn, is_in, stems
 from imaging.matching import Gain, bridge, chains, doubtful, join, refund, within_colour
 from imaging.photo import Photo
@@ -194,7 +195,8 @@ def _pieces(segmentation: Segmentation, coverage: np.ndarray) -> list[tuple[np.n
     return [
         (_centred(path, own, coverage, width), colour)
         for colour, own in enumerate(segmentation.membership)
-        for path in branches(segmentation.labels == colour + 1, width)
+        for whole in branches(segmentation.labels == colour + 1, width)
+        for path in without_corners(whole, width)
     ]
 
 
