@@ -67,7 +67,7 @@ def drawn(paths: Sequence[np.ndarray], shape: tuple[int, int], width: float) -> 
     bands = np.zeros(shape, np.uint8)
     for path in paths:
         cv2.polylines(bands, [np.rint(path).astype(np.int32)], False, 1, max(1, round(OWN * width)))
-    return bands > 0
+    return bands.view(bool)
 
 
 def stems(ends: Sequence[End], width: float) -> np.ndarray:

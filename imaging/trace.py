@@ -181,7 +181,7 @@ def _choices(
         lengths = [float(arclength(path)[-1]) for path in paths]
         refunds += [refund(*piece, width) for piece in zip(lengths, double.tolist(), strict=True)]
         single = [path for path, two in zip(paths, double, strict=True) if not two]
-        own = drawn(single, labels.shape, width) & ~broad
+        own = np.greater(drawn(single, labels.shape, width), broad)
         gains += [
             (i + 2 * first, j + 2 * first, gain)
             for i, j, gain in within_colour(own_ends, covered, own, width)
