@@ -2,7 +2,8 @@
 
 Both may then be joined past what is seen of them there: it costs them nothing, and the piece
 between may be left out of every strand. Two signs tell such a piece: what is seen is broader than
-one strand for long, or the piece forks at both its ends, as where two cross at a small angle.
+one strand for long, or the piece forks at both its ends, as where two cross at a small angle. The
+outline also tells whether they can have crossed there: where they do it is that of one strand.
 """
 
 from collections.abc import Sequence
@@ -12,12 +13,17 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from imaging.branches import End
+from imaging.centreline import edges
+from imaging.matching import Gain
 
 BROAD = 1.3  # strand widths; what is seen of a colour there is two strands side by side,
 SIDE_BY_SIDE = 3.0  # strand widths; if for longer: the parts of a twisted pair are bellied
 AHEAD = 6.0  # strand widths from an end to those it forks into
 ASIDE = 1.5  # strand widths by which these may lie off its direction
 SPREAD = np.radians(50)  # most by which they may turn from it
+APART = 1.5  # strand widths; where two strands cross, what is seen is less broad than that
+SEEN = 0.7  # of the length of a piece; where less shows both its edges, it does not tell
+SWAP = 10.0  # cost of a join that changes sides where two strands lie side by side
 OWN = 2.0  # strand widths across a piece on which a join runs under its own colour
 
 
@@ -112,3 +118,55 @@ def _ahead(ends: Sequence[End], width: float) -> list[set[int]]:
 def _forks(end: int, ahead: list[set[int]]) -> bool:
     """Tell whether two ends lie ahead that have no other than this one ahead of them."""
     return sum(ahead[other] <= {end} for other in ahead[end]) >= 2
+
+
+def hold_apart(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: float) -> bool:
+    """Tell whether two strands lie side by side all along a piece: where they cross, one is seen.
+
+    Parameters
+    ----------
+    path : (n, 2) array
+    own, coverage : (h, w) float32 arrays
+        Membership of the piece's colour, and coverage by any strand.
+    width : float
+        Strand width [px].
+    """
+    low, high = edges(path, own, coverage, width)
+    span = (high - low)[np.isfinite(high - low)]
+    return len(span) > SEEN * len(path) and bool(span.min() > APART * width)
+
+
+def keep_sides(
+    gains: Sequence[Gain], ends: Sequence[End], apart: Sequence[int], width: float
+) -> list[Gain]:
+    """Make joins dearer that change sides along pieces in which two strands lie side by side.
+
+    Parameters
+    ----------
+    gains : sequence of (int, int, float)
+        Joins of ends of one colour.
+    ends : sequence of End
+    apart : sequence of int
+        Pieces of which `hold_apart` is true.
+    width : float
+        Strand width [px].
+    """
+    ahead = _ahead(ends, width) if apart else []
+    side: dict[tuple[int, int], float] = {}
+    for piece in apart:
+        for way, end in ((-1, 2 * piece), (1, 2 * piece + 1)):
+            (x, y), (u, v) = ends[end].point, ends[end].direction
+            for arm in ahead[end]:
+                p = ends[arm].point
+                side[arm, end] = way * (u * (p[1] - y) - v * (p[0] - x))
+    dearer = [(i, j, gain - SWAP * _swaps(i, j, side, apart)) for i, j, gain in gains]
+    return [join for join in dearer if join[2] > 0]
+
+
+def _swaps(i: int, j: int, side: dict[tuple[int, int], float], apart: Sequence[int]) -> bool:
+    """Tell whether a join leads past one of the pieces from one side of it to the other."""
+    return any(
+        side.get((a, 2 * piece), 0) * side.get((b, 2 * piece + 1), 0) < 0
+        for piece in apart
+        for a, b in ((i, j), (j, i))
+    )

@@ -19,7 +19,7 @@ from imaging.centreline import arclength, centred, normals, refine, sample
 from imaging.contact import known as know
 from imaging.contact import place
 from imaging.corners import without_corners
-from imaging.doubled import broad_parts, drawn, is_in, stems
+from imaging.doubled import broad_parts, drawn, hold_apart, is_in, keep_sides, stems
 from imaging.matching import Gain, bridge, chains, doubtful, join, refund, within_colour
 from imaging.photo import Photo
 from imaging.segment import Segmentation
@@ -174,18 +174,21 @@ def _choices(
     refunds, gains = [], seen + unseen
     for colour in range(len(segmentation.colours)):
         first, last = np.searchsorted(colours, [colour, colour + 1]).tolist()
-        paths = [path for path, _ in pieces[first:last]]
-        own_ends = ends[2 * first : 2 * last]
+        paths, own_ends = [path for path, _ in pieces[first:last]], ends[2 * first : 2 * last]
         broad = broad_parts(labels == colour + 1, width)
         double = stems(own_ends, width) | [is_in(path, broad) for path in paths]
-        lengths = [float(arclength(path)[-1]) for path in paths]
-        refunds += [refund(*piece, width) for piece in zip(lengths, double.tolist(), strict=True)]
         single = [path for path, two in zip(paths, double, strict=True) if not two]
         own = np.greater(drawn(single, labels.shape, width), broad)
-        gains += [
-            (i + 2 * first, j + 2 * first, gain)
-            for i, j, gain in within_colour(own_ends, covered, own, width)
+        apart = [
+            i
+            for i in np.flatnonzero(double).tolist()
+            if hold_apart(paths[i], segmentation.membership[colour], coverage, width)
         ]
+        within = within_colour(own_ends, covered, own, width)
+        within = keep_sides(within, own_ends, apart, width)
+        lengths = [float(arclength(path)[-1]) for path in paths]
+        refunds += [refund(*piece, width) for piece in zip(lengths, double.tolist(), strict=True)]
+        gains += [(i + 2 * first, j + 2 * first, gain) for i, j, gain in within]
     return refunds, gains, {(i, j) for i, j, _ in unseen}
 
 

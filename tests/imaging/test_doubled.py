@@ -46,6 +46,22 @@ def test_a_short_arm_between_crossings_is_followed():
         assert min(np.percentile(cKDTree(line).query(s.line)[0], 97) for s in strands) < 1.2
 
 
+@pytest.mark.parametrize("together", [3, 5, 8])
+def test_strands_that_touch_side_by_side_and_part_have_not_crossed(together):
+    """For so many widths their outline is that of two, although straight on would cross.
+
+    There both may be drawn along their common middle, half a width from their own.
+    """
+    y = np.linspace(20, 300, 600)
+    away = (np.abs(y - 160) - together * 2.6).clip(0)
+    apart = 2.5 + 0.45 * (np.hypot(away, 15) - 15)
+    lines = [np.stack([130 + side * apart, y], axis=1) for side in (-1, 1)]
+    strands = traced(lines)
+    assert len(strands) == 2
+    for line in lines:
+        assert min(np.percentile(cKDTree(line).query(s.line)[0], 97) for s in strands) < 2.6
+
+
 def drawing(*paths):
     """Return the ends of straight pieces given by their first and last points."""
     return ends_of([np.linspace(a, b, 12) for a, b in paths], width=5.0)
