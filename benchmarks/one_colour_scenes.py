@@ -63,9 +63,13 @@ def clean(rng: np.random.Generator, width: float) -> Lines:
 
 
 def small_angle(rng: np.random.Generator, width: float) -> Lines:
-    """Two strands that cross at 15 to 30 degrees."""
-    angle, turn = rng.uniform(0, np.pi), np.radians(rng.uniform(15, 30))
-    return [bent(way, int(rng.uniform(280, 340)), rng, 0.2) for way in (angle, angle + turn)]
+    """Two strands that cross once, at 15 to 30 degrees."""
+    for _ in range(TRIES):
+        angle, turn = rng.uniform(0, np.pi), np.radians(rng.uniform(15, 30))
+        lines = [bent(way, int(rng.uniform(280, 340)), rng, 0.2) for way in (angle, angle + turn)]
+        if is_clean(lines, width) and len(crossings(lines)) == 1:
+            break
+    return lines
 
 
 def loops(rng: np.random.Generator, width: float) -> Lines:
