@@ -20,7 +20,7 @@ from imaging.helix_count import (
     spread_apart,
     strand_radius,
 )
-from imaging.helix_edges import Edges, find_edges
+from imaging.helix_edges import Edges, edges_in_light, find_edges
 from imaging.helix_fit import Fit, fit, fit_best, widened
 from imaging.helix_measurement import HelixMeasurement, Start, measurement_of
 from imaging.helix_model import Layout, Model, offsets
@@ -34,9 +34,11 @@ from imaging.segment import Segmentation, segment
 Array = np.ndarray
 Mask = np.ndarray
 THIN = 2.5  # px; strands thinner than this have no middle to measure
+SLOPED = 5.5  # px; strands thinner than this show too little of a slope beside an edge
 UNSEEN = (
     "no tine is seen; it is taken to be where strands that lie apart come together towards the tip"
 )
+SHADED = (0.5, 0.05)  # px; by which shading moves edges in the light: both strands', one's alone
 A_TURN = 3  # crossings
 END = 0.25  # pitch; cut ends and clamps are no helix
 
@@ -92,7 +94,11 @@ def helix(
     parted = _parted(start) if tine_s is None else None
     # Matrices of a few hundred rows: a second BLAS thread costs five times the time it saves.
     with threadpool_limits(limits=1, user_api="blas"):
-        fitted, edges, valid = _fit_all(membership, start, hidden)
+        try:
+            light = _light(photo, segmentation, pair)
+            fitted, edges, valid = _fit_all(membership, light, start, hidden)
+        except np.linalg.LinAlgError as error:
+            raise Unmeasurable("the edges that can be seen determine no helix") from error
     place = tine_s if parted is None else parted
     found = measurement_of(start, fitted, edges, valid, place, _per_pixel(scale))
     return found if parted is None else replace(found, warnings=(*found.warnings, UNSEEN))
@@ -102,6 +108,22 @@ def _segmented(picture: Photo | Segmentation) -> tuple[Photo | None, Segmentatio
     if isinstance(picture, Photo):
         return picture, split_colours(picture, segment(picture))
     return None, picture
+
+
+def _light(photo: Photo | None, segmentation: Segmentation, pair: tuple[int, int]) -> Array | None:
+    """Light (c, h, w), its coding (gamma 2.2) undone, of strands that are lighter than the ground.
+
+    Shading then moves the place of half the light by much. On a lighter ground it hardly does, and
+    coverage, which is all there is without a photograph, tells more of narrow strips.
+    """
+    if photo is None:
+        return None
+    light = photo.rgb() ** 2.2
+    strands = np.isin(segmentation.labels, np.add(pair, 1))
+    ground = segmentation.labels == 0
+    if np.median(light[ground].sum(axis=1)) > np.median(light[strands].sum(axis=1)):
+        return None
+    return np.ascontiguousarray(np.moveaxis(light, -1, 0))
 
 
 def _others(segmentation: Segmentation, pair: tuple[int, int]) -> Mask:
@@ -208,7 +230,9 @@ def _bar(mask: Mask, r: float) -> Mask:
     )
 
 
-def _fit_all(membership: np.ndarray, start: Start, hidden: Mask) -> tuple[Fit, Edges, Mask]:
+def _fit_all(
+    membership: np.ndarray, light: Array | None, start: Start, hidden: Mask
+) -> tuple[Fit, Edges, Mask]:
     """Fit, look for the edges again where the fit says they are, fit again."""
     model = _first_model(start, membership.shape[1:])
     s = start.axis.s
@@ -225,9 +249,18 @@ def _fit_all(membership: np.ndarray, start: Start, hidden: Mask) -> tuple[Fit, E
     edges = find_edges(membership, model, valid, max(2.0, 0.7 * start.r))
     prior = replace(first_prior(model, held), seen=_seen(model, valid, start))
     fitted = fit(model, edges, prior)
-    edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
-    fitted = fit_best(fitted, edges, held)
-    edges = find_edges(membership, fitted.model, valid, max(2.0, 0.35 * start.r))
+    gate = max(2.0, 0.35 * start.r)
+    if light is None or start.r < SLOPED:
+        edges = find_edges(membership, fitted.model, valid, gate)
+        fitted = fit_best(fitted, edges, held)
+        edges = find_edges(membership, fitted.model, valid, gate)
+    else:
+        prior = replace(prior, shading=SHADED)
+        edges, blur = edges_in_light(light, fitted.model, valid, gate)
+        fitted = fit(fitted.model, edges, prior)
+        edges, _ = edges_in_light(light, fitted.model, valid, gate, blur)
+        fitted = fit_best(fitted, edges, held)
+        edges, _ = edges_in_light(light, fitted.model, valid, gate, blur)
     fitted = fit(fitted.model, edges, fitted.prior, rounds=4)
     return widened(fitted, edges), edges, valid
 

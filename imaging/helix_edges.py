@@ -5,17 +5,21 @@ visible are biased by the hidden part (at R = r by a quarter of the radius); the
 """
 
 from dataclasses import dataclass, fields
+from itertools import product
 
 import numpy as np
 from scipy.ndimage import map_coordinates
 
+from imaging.errors import Unmeasurable
 from imaging.helix_axis import Axis
 from imaging.helix_model import Model, outlines
+from imaging.helix_profile import OUTSIDE, Profiles, edge_places, likely_blur, sampled_places
 
 Array = np.ndarray
 SLIVER = 2.5  # px; a narrower strip of one strand is blurred into its neighbours
 RIM = 1.0  # px; how far the rear strand must stick out for its outer edge to be the pair's
 HIDDEN, OUTER, CONTACT = range(3)
+LEFT = {OUTER: 0.05, CONTACT: 0.25}  # px; what a step on a slope still errs by, with the phase
 STEP = 0.5  # px between samples across an edge
 
 
@@ -35,6 +39,8 @@ class Edges:
         +1 towards the axis normal, -1 away from it.
     border : (n,) int array
         OUTER or CONTACT.
+    doubt : (n,) array
+        Least error [px] that shading leaves.
     """
 
     s: Array
@@ -42,6 +48,7 @@ class Edges:
     strand: np.ndarray
     side: np.ndarray
     border: np.ndarray
+    doubt: Array
 
     @property
     def kind(self) -> np.ndarray:
@@ -89,7 +96,44 @@ def find_edges(membership: np.ndarray, model: Model, valid: np.ndarray, gate: fl
     return every.sorted()
 
 
-def visible(across: Array, a_in_front: np.ndarray) -> np.ndarray:
+def edges_in_light(
+    light: np.ndarray, model: Model, valid: np.ndarray, gate: float, blur: float | None = None
+) -> tuple[Edges, float]:
+    """Locate the visible edges in the light itself, where a step on a slope fits best.
+
+    Parameters
+    ----------
+    light : (c, h, w) array
+        The picture's light in each channel.
+    model, valid, gate
+        As for `find_edges`.
+    blur : float, optional
+        The picture's blur [px]; estimated when left out.
+
+    Returns
+    -------
+    Edges
+    blur : float
+
+    Raises
+    ------
+    Unmeasurable
+        When no edge against the ground can be seen.
+    """
+    inside = float(np.clip(0.5 * model.part("radii").mean(), 2.5, 5.0))
+    strips = _strips(light, model, valid, inside, sampled_places(inside, gate))
+    outer = [strip.profiles for strip in strips if strip.which[2] == OUTER]
+    if not outer:
+        raise Unmeasurable("no edge of the two strands stands out clearly enough to be followed")
+    blur = blur or likely_blur(outer, inside)
+    found = [strip.edges(model.axis, inside, blur) for strip in strips]
+    every = Edges(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+    return every.sorted(), blur
+
+
+def visible(
+    across: Array, a_in_front: np.ndarray, rim: float = RIM, sliver: float = SLIVER
+) -> np.ndarray:
     """Tell what lies beyond each edge: background (OUTER), a strand (CONTACT), or HIDDEN.
 
     Parameters
@@ -97,6 +141,9 @@ def visible(across: Array, a_in_front: np.ndarray) -> np.ndarray:
     across : (2, 2, n) array
         Offsets [px] of both strands' lower and upper edges in each section.
     a_in_front : (n,) bool array
+    rim, sliver : float
+        Least width [px] of the strand behind where it sticks out, and where it is seen beyond an
+        edge of the strand in front.
 
     Returns
     -------
@@ -110,10 +157,57 @@ def visible(across: Array, a_in_front: np.ndarray) -> np.ndarray:
         for j, q in ((0, -1.0), (1, 1.0)):
             beyond = q * (across[1 - k, j] - across[k, j])
             gap = q * (across[1 - k, 1 - j] - across[k, j])
-            border[k, j, front & (beyond > SLIVER) & (gap < 0.0)] = CONTACT
+            border[k, j, front & (beyond > sliver) & (gap < 0.0)] = CONTACT
             border[k, j, front & (beyond < -RIM)] = OUTER
-            border[1 - k, j, front & (beyond > RIM)] = OUTER
+            border[1 - k, j, front & (beyond > rim)] = OUTER
     return border
+
+
+@dataclass(frozen=True)
+class _Strip:
+    """Light across one edge of one strand (strand, side, border) where it can be seen."""
+
+    which: tuple[int, int, int]
+    points: Array
+    outward: Array
+    profiles: Profiles
+
+    def edges(self, axis: Axis, inside: float, blur: float) -> tuple[Array, ...]:
+        """Fields of `Edges` for the sections where the edge is clear."""
+        where, _ = edge_places(self.profiles, inside, blur)
+        ok = np.isfinite(where)
+        points = self.points[ok] + where[ok, None] * self.outward[ok]
+        named = (np.full(int(ok.sum()), value) for value in self.which)
+        doubt = np.full(int(ok.sum()), LEFT[self.which[2]])
+        return axis.s[self.profiles.rows[ok]], points, *named, doubt
+
+
+def _strips(
+    light: np.ndarray, model: Model, valid: np.ndarray, inside: float, places: Array
+) -> list[_Strip]:
+    """Sample the light across every edge that can be seen, along its own normal.
+
+    Left out are strips too narrow to show a slope beside the step: a strand behind that sticks
+    out by less than ``inside``, or is seen beyond the one in front for less than OUTSIDE.
+    """
+    across = outlines(model)
+    border = visible(across, np.sin(model.at(model.axis.s).phi) > 0, inside, OUTSIDE + 0.5)
+    border[:, :, ~valid] = HIDDEN
+    strips = []
+    for k, j, kind in product((0, 1), (0, 1), (OUTER, CONTACT)):
+        rows = np.flatnonzero(border[k, j] == kind)
+        if not len(rows):
+            continue
+        outline = model.axis.points + across[k, j, :, None] * model.axis.normals
+        along = np.gradient(outline, axis=0)
+        along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+        outward = ((2 * j - 1) * np.column_stack([along[:, 1], -along[:, 0]]))[rows]
+        xy = outline[rows, None] + places[:, None] * outward[:, None]
+        at = [xy[..., 1], xy[..., 0]]
+        seen = np.stack([map_coordinates(c, at, order=1, mode="nearest") for c in light], axis=-1)
+        profiles = Profiles(places, seen, rows, kind == CONTACT)
+        strips.append(_Strip((k, 2 * j - 1, kind), outline[rows], outward, profiles))
+    return strips
 
 
 def _search(
@@ -137,7 +231,7 @@ def _search(
     offset = expected[rows] + q * where
     points = axis.points[rows] + offset[:, None] * axis.normals[rows]
     n = len(rows)
-    return axis.s[rows], points, np.full(n, strand), np.full(n, q), np.full(n, kind)
+    return axis.s[rows], points, np.full(n, strand), np.full(n, q), np.full(n, kind), np.zeros(n)
 
 
 def _half_crossing(inside: Array, outward: Array) -> Array:

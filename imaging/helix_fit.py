@@ -21,7 +21,7 @@ from imaging.helix_splines import basis
 Array = np.ndarray
 Mask = np.ndarray
 TUKEY = 4.685
-SHADED = 0.2  # px; by which light from one side may move the two edges of a strand apart
+RUN = 10.0  # edge points along which shading errs alike
 FACING = 0.5  # sine of the lean that a photographer may leave
 LEAST_NOISE = 1e-3  # px
 LONE = 20.0  # times the typical distance from the outline; more counts as this much
@@ -65,7 +65,8 @@ def fit_best(first: Fit, edges: Edges, held: dict[str, Mask], rounds: int = 6) -
     Smooth changes may then be smoother here than there; many weights would not be compared fairly
     with one. How much the lean may vary is taken anew from the bends of the axis fitted first.
     """
-    prior = replace(first_prior(first.model, held), seen=first.prior.seen)
+    old = first.prior
+    prior = replace(first_prior(first.model, held), seen=old.seen, shading=old.shading)
     smooth = fit(first.model, edges, replace(prior, weights=first.prior.weights), rounds)
     # From a slack prior, or the smooth fit would hold the local weights alike.
     abrupt = fit(smooth.model, edges, prior.fresh(ABRUPT), 2 * rounds)
@@ -187,10 +188,13 @@ def _noise(model: Model, residual: Array, edges: Edges) -> tuple[float, float, A
     lengths = []
     for border in np.unique(edges.border):
         own = edges.border == border
-        scatter = max(1.4826 * float(np.median(np.abs(residual[own]))), LEAST_NOISE) * off
+        typical = max(1.4826 * float(np.median(np.abs(residual[own]))), LEAST_NOISE)
+        scatter = np.maximum(typical, edges.doubt) * off
         robust = (1 - np.clip(np.abs(residual) / (TUKEY * scatter), 0, 1) ** 2) ** 2
         tracks = [own & (edges.track == k) for k in range(4)]
         length = float(np.mean([_correlation(residual[k], robust[k] > 0.05) for k in tracks]))
+        # What shading leaves is alike along an edge.
+        length = max(length, RUN if edges.doubt[own].max() > typical else 1.0)
         precision[own] = (robust / (scatter**2 * length))[own]
         lengths.append(length)
     noise = 1.4826 * float(np.median(np.abs(residual)))
@@ -249,9 +253,18 @@ def _held(model: Model, information: Array, prior: Prior) -> Array:
         matrix[blocks["mid"], blocks["mid"]] += np.diag(prior.seen[0])
     facing = blocks["lean"]
     matrix[facing, facing] += np.eye(facing.stop - facing.start) / FACING**2
-    sides = np.kron(np.eye(4), [[1.0, -1.0], [-1.0, 1.0]])
-    matrix[blocks["radii"], blocks["radii"]] += sides / (2 * SHADED**2)
+    matrix[blocks["radii"], blocks["radii"]] += np.kron(np.eye(2), _shading(*prior.shading))
     return matrix
+
+
+def _shading(alike: float, apart: float) -> Array:
+    """Return what is known of the effective radii a-, a+, b-, b+ against one kind of border.
+
+    Light from one side moves the edges of both strands alike. Moved apart, as if strand a lay more
+    to the right wherever it is seen, they would look like a pair that leans.
+    """
+    both, one = np.array([-1.0, 1, -1, 1]) / 2, np.array([-1.0, 1, 1, -1]) / 2
+    return np.outer(both, both) / alike**2 + np.outer(one, one) / apart**2
 
 
 def _stiffened(model: Model, held: Array, prior: Prior) -> Array:

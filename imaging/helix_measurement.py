@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from imaging.errors import Unmeasurable
 from imaging.helix_axis import Axis
 from imaging.helix_count import HalfTurns
 from imaging.helix_edges import Edges
@@ -139,12 +140,21 @@ def measurement_of(
         Its arclength along the starting axis [px].
     scale : (float, float, str)
         Length of a pixel, its relative sd, unit.
+
+    Raises
+    ------
+    Unmeasurable
+        When nothing is resolved.
     """
     model, (per_pixel, scale_sd, unit) = fitted.model, scale
     t = np.arange(0.0, model.axis.s[-1], max(start.r, 2.0))
     arc = per_pixel * in_space(model)[0]
     s = np.interp(t, model.table.s, arc)
     resolved = _resolved(t, fitted, edges, valid, start)
+    if np.count_nonzero(resolved) < 2:
+        raise Unmeasurable(
+            "nowhere do the edges that can be seen follow two strands wound round each other"
+        )
     lean, lean_sd = _lean(fitted, t[resolved])
     # Where the model misses the edges its errors do not average along them, as noise does.
     wider = worse(model, fitted.residual, edges, t)

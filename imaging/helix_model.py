@@ -107,8 +107,10 @@ class Model:
 
     @cached_property
     def pitch(self) -> float:
-        """Typical pitch [px]."""
-        return 2 * np.pi / max(float(np.median(np.abs(self.at(self.axis.s).dphi))), 1e-9)
+        """Typical pitch [px], at most the axis' length."""
+        length = float(self.axis.s[-1])
+        typical = float(np.median(np.abs(self.at(self.axis.s).dphi)))
+        return 2 * np.pi / max(typical, 2 * np.pi / length)
 
     @cached_property
     def table(self) -> "Table":

@@ -12,6 +12,7 @@ from imaging.segment import Segmentation
 Mask = np.ndarray
 TOUCH = 3  # px; strands whose masks come this close touch
 EDGE = 3.0  # px; how far a segmentation's borders may be off
+SEAM = 0.4  # strand radii; a region no wider than twice that is a seam of mixed light, no strand
 PLATEAU = 2.0  # px; further inside than this a strand covers the whole pixel
 
 
@@ -44,8 +45,11 @@ def twisted_pair(
             f"{count} strand colour found; a double helix needs two strands of different colours"
         )
     masks = [np.asarray(m > 0.5) for m in segmentation.membership]
+    # The seam between two strands may have the colour of a third thing, such as a tine.
+    typical = float(np.median([rough_radius(mask[None]) for mask in masks]))
+    thick = masks if count == 2 else [_thick(mask, SEAM * typical) for mask in masks]
     touch = {
-        pair: _contact(masks[pair[0]], masks[pair[1]]) for pair in combinations(range(count), 2)
+        pair: _contact(thick[pair[0]], thick[pair[1]]) for pair in combinations(range(count), 2)
     }
     best = max(touch, key=lambda pair: touch[pair])
     if touch[best] == 0:
@@ -140,6 +144,13 @@ def _place(light: np.ndarray, zero: np.ndarray, one: np.ndarray) -> np.ndarray:
 
 def _contact(a: Mask, b: Mask) -> int:
     return int(np.sum(_grown(a, TOUCH) & b))
+
+
+def _thick(mask: Mask, reach: float) -> Mask:
+    """Leave out what is narrower than a disc of radius ``reach``."""
+    size = 2 * int(round(reach)) + 1
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    return cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, disc) > 0
 
 
 def _grown(mask: Mask, reach: float) -> Mask:

@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from imaging.helix_measurement import HelixMeasurement
@@ -36,7 +37,7 @@ def draw_helix_overlay(photo: Photo, measured: HelixMeasurement) -> np.ndarray:
 
 
 def link_figure(measured: HelixMeasurement) -> Figure:
-    """Link density with its 95 % band and helix radius along the axis."""
+    """Link density with its 95 % band and helix radius along the axis; grey: not resolved."""
     figure = Figure(figsize=(7, 5), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     factor, unit = _readable(measured.unit)
@@ -48,19 +49,27 @@ def link_figure(measured: HelixMeasurement) -> Figure:
         f"{measured.handedness}-handed, {abs(measured.total_link):.2f} turns, "
         f"pitch {factor * measured.pitch:.4g} {unit}, R/r {measured.R / measured.r:.3f}"
     )
-    _wide_enough(upper, link["link"])
+    _limit(upper, link["link"])
     _band(lower, s, factor * phase["R"], factor * phase["R_sd"])
     lower.set_ylabel(f"radius $R$ [{unit}]")
-    _wide_enough(lower, factor * phase["R"])
-    lower.set_xlabel(f"arclength $s$ from the root [{unit}]")
+    _limit(lower, factor * phase["R"])
+    lower.set_xlabel(f"arclength $s$ from the root [{unit}]; grey: not resolved")
+    lower.set_xlim(0, s.iloc[-1])
+    for axes in (upper, lower):
+        _shade(axes, s.to_numpy(), phase["resolved"].to_numpy())
+        if measured.tine is not None:
+            axes.axvline(factor * measured.tine, color="0.3", ls=":", label="tine")
     if measured.tine is not None:
-        for axes in (upper, lower):
-            axes.axvline(factor * measured.tine, color="0.5", ls=":")
+        upper.legend(frameon=False)
     return figure
 
 
 def sequence_figure(sequence: HelixSequence) -> Figure:
-    """Change of link density along the axis for every tine position (the paper's Fig. 2e)."""
+    """Change of link density along the axis for every tine position (the paper's Fig. 2e).
+
+    Behind a tine, where nothing is resolved along the axis, the mean of the stretch is dashed,
+    with its 95 % interval.
+    """
     figure = Figure(figsize=(7, 4), layout="constrained")
     axes = figure.subplots()
     factor, unit = _readable(sequence.measurements[0].unit)
@@ -70,18 +79,19 @@ def sequence_figure(sequence: HelixSequence) -> Figure:
         s = factor * frame["s"]
         label = f"x = {frame['x'].iloc[0]:.3g}"
         _band(axes, s, frame["change"], frame["change_sd"], color=colour, label=label)
-        tine = sequence.jumps["tine"].iloc[number]
-        if np.isfinite(tine):
-            axes.axvline(factor * tine, color=colour, ls=":", lw=0.8)
+        jump = sequence.jumps.iloc[number]
+        if np.isfinite(jump["tine"]):
+            axes.axvline(factor * jump["tine"], color=colour, ls=":", lw=0.8)
+            _mean_behind(axes, frame, jump, factor, colour)
     axes.axhline(0, color="0.6", lw=0.8)
     axes.set_xlabel(f"arclength $s$ from the root [{unit}]")
-    axes.set_ylabel(r"$\Delta\lambda/\lambda_0$")
-    known = sequence.profiles["change"].dropna()
-    if len(known):  # a wide band must not flatten the curves
-        low, high = np.percentile(known, [0.5, 99.5])
-        room = 0.3 * max(high - low, 0.1)
-        axes.set_ylim(low - room, high + room)
-    figure.legend(loc="outside right upper", frameon=False, title="tine (dotted)")
+    axes.set_ylabel(r"change of link density $\Delta\lambda/\lambda_0$")
+    axes.set_xlim(0, factor * sequence.profiles["s"].max())
+    means = sequence.jumps["behind"] / sequence.jumps["lambda_0"] - 1
+    _limit(axes, pd.concat([sequence.profiles["change"], means[sequence.jumps["tine"].notna()]]))
+    figure.legend(
+        loc="outside right upper", frameon=False, title="dotted: tine\ndashed: mean\nbehind it"
+    )
     return figure
 
 
@@ -103,7 +113,7 @@ def kymograph_figure(sequence: HelixSequence) -> Figure:
     axes.set_xlabel(f"arclength $s$ from the root [{unit}]")
     axes.set_ylabel("tine position $x = d/D$")
     axes.set_title("grey: not resolved", fontsize="small")
-    figure.colorbar(picture, label=r"$\Delta\lambda/\lambda_0$")
+    figure.colorbar(picture, label=r"change of link density $\Delta\lambda/\lambda_0$")
     return figure
 
 
@@ -117,12 +127,33 @@ def _band(axes, s, value, sd, **style) -> None:  # type: ignore[no-untyped-def]
     axes.fill_between(s, value - 1.96 * sd, value + 1.96 * sd, alpha=0.3, color=line.get_color())
 
 
-def _wide_enough(axes, values) -> None:  # type: ignore[no-untyped-def]
-    """Show at least +-10 % about the middle, so that noise does not fill the axes."""
-    middle = float(np.nanmedian(values))
-    low, high = axes.get_ylim()
-    margin = 0.1 * abs(middle)
-    axes.set_ylim(min(low, middle - margin), max(high, middle + margin))
+def _mean_behind(axes, frame, jump, factor, colour) -> None:  # type: ignore[no-untyped-def]
+    """Draw the mean change between root and tine where the profile itself is not resolved."""
+    behind = frame["s"] < jump["tine"]
+    if frame["change"][behind].notna().any() or not np.isfinite(jump["behind"]):
+        return
+    mean, sd = jump["behind"] / jump["lambda_0"] - 1, jump["behind_sd"] / jump["lambda_0"]
+    span = [0.0, factor * jump["tine"]]
+    axes.plot(span, [mean, mean], color=colour, ls="--", lw=1)
+    axes.fill_between(span, mean - 1.96 * sd, mean + 1.96 * sd, color=colour, alpha=0.15, lw=0)
+
+
+def _limit(axes, values) -> None:  # type: ignore[no-untyped-def]
+    """Show the values, not the widest of their bands, and at least +-10 % about the middle."""
+    known = np.asarray(values, dtype=float)
+    known = known[np.isfinite(known)]
+    if not known.size:
+        return
+    low, high = known.min(), known.max()
+    room = max(0.3 * (high - low), 0.1 * abs(float(np.median(known))), 1e-6)
+    axes.set_ylim(low - room, high + room)
+
+
+def _shade(axes, s: Array, resolved: np.ndarray) -> None:  # type: ignore[no-untyped-def]
+    """Grey where nothing is resolved."""
+    gaps = np.flatnonzero(np.diff(np.r_[1, resolved.astype(int), 1])).reshape(-1, 2)
+    for first, end in gaps:
+        axes.axvspan(s[max(first - 1, 0)], s[min(end, len(s) - 1)], color="0.9", lw=0, zorder=0)
 
 
 def _beside(strand: Array, distance: float) -> Array:

@@ -36,6 +36,9 @@ class Prior:
 
     Where nothing is fitted the axis would run on as straight as it came. ``seen`` are weights and
     values that hold its coefficients there to the middle of what is seen.
+
+    ``shading`` is by how much [px] light from one side may move the two edges of a strand: those of
+    both strands alike, and those of one against those of the other.
     """
 
     differences: dict[str, csr_array]
@@ -43,6 +46,7 @@ class Prior:
     reach: dict[str, float]
     tail: float = ABRUPT
     seen: tuple[Array, Array] | None = None
+    shading: tuple[float, float] = (0.2, 0.2)
     weights: dict[str, Array] = field(default_factory=dict)
     local: dict[str, Array] = field(default_factory=dict)
 
@@ -107,7 +111,7 @@ class Prior:
 
     def fresh(self, tail: float) -> "Prior":
         """Return the prior with nothing estimated yet, and this ``tail`` of the phase's."""
-        return Prior(self.differences, self.groups, self.reach, tail, self.seen)
+        return Prior(self.differences, self.groups, self.reach, tail, self.seen, self.shading)
 
     def expected(self, beta: dict[str, Array], covariance: dict[str, Array]) -> float:
         """Mean log density of unknowns with these means and covariances (a lower bound).

@@ -86,6 +86,21 @@ def twist_strands(axis: Array, phi: Array, radius: ArrayLike) -> list[Array]:
     return [np.column_stack([axis + e * across, e * towards]) for e in (1.0, -1.0)]
 
 
+def twist_in_space(axis: Array, phi: Array, radius: ArrayLike) -> list[Array]:
+    """Two strands at +-R(cos(phi) n + sin(phi) b) from an axis (n, 3), z to the viewer.
+
+    ``n`` lies in the picture, normal to the axis as it is seen, and ``b = n x t``; as in
+    `twist_strands` a growing phase is a right-handed helix.
+    """
+    tangent = np.gradient(axis, axis=0)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    normal = np.column_stack([tangent[:, 1], -tangent[:, 0], np.zeros(len(axis))])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    arm = np.cos(phi)[:, None] * normal + np.sin(phi)[:, None] * np.cross(normal, tangent)
+    arm *= np.broadcast_to(radius, phi.shape)[:, None]
+    return [axis + arm, axis - arm]
+
+
 def tilt_strands(points: Array, angle: float) -> Array:
     """Turn (n, 3) points about the picture's horizontal: the lower end moves away by ``angle``."""
     x, y, z = points.T
@@ -145,8 +160,7 @@ def draw_helix(
     axis = bent_axis(s, _values(heading, s, 0.0))
     strands = [tilt_strands(p, tilt) for p in twist_strands(axis, phi, radius)]
     axis = tilt_strands(np.column_stack([axis, np.zeros(len(s))]), tilt)[:, :2]
-    shift, shape = _frame(strands, 16.0 * r)
-    strands = [p + [*shift, 0.0] for p in strands]
+    strands, shape, shift = framed(strands, 16.0 * r)
     axis = axis + shift
     bar = None if tine is None else (float(np.interp(tine[0], s, axis[:, 1])), tine[1])
     pixels, membership = draw_tubes(
@@ -207,12 +221,12 @@ def _cumulative(density: Array, s: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
 
 
-def _frame(strands: Sequence[Array], margin: float) -> tuple[Array, tuple[int, int]]:
-    """Shift and picture size that leave a margin around the strands."""
+def framed(strands: Sequence[Array], margin: float) -> tuple[list[Array], tuple[int, int], Array]:
+    """Move strands (n, 3) into a picture with a margin: strands, the picture's shape, the shift."""
     every = np.vstack(strands)[:, :2]
     low, high = every.min(axis=0) - margin, every.max(axis=0) + margin
     width, height = np.ceil(high - low).astype(int)
-    return -low, (int(height), int(width))
+    return [p - [*low, 0.0] for p in strands], (int(height), int(width)), -low
 
 
 def _subpixels(shape: tuple[int, int]) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
+from scipy.ndimage import gaussian_filter1d
 
 from imaging.helix_axis import axis_through, find_axis
 from imaging.helix_chain import cells_of, inverse, solve
@@ -13,9 +14,16 @@ from imaging.helix_edges import CONTACT, HIDDEN, OUTER, visible
 from imaging.helix_fit import _correlation
 from imaging.helix_model import Layout, Model, feet, outlines, positions
 from imaging.helix_pair import twisted_pair
+from imaging.helix_profile import Profiles, edge_places, likely_blur, sampled_places
 from imaging.helix_space import in_space, link_beyond_phase, writhe_shares
 from imaging.helix_splines import basis, curve, knots
-from imaging.helix_synthetic import bent_axis, draw_helix, tilt_strands, twist_strands
+from imaging.helix_synthetic import (
+    bent_axis,
+    draw_helix,
+    tilt_strands,
+    twist_in_space,
+    twist_strands,
+)
 from imaging.segment import Segmentation
 
 
@@ -122,6 +130,45 @@ def test_edges_of_strands_apart():
     assert border[1, :, 0].tolist() == [HIDDEN, OUTER]
 
 
+def shaded_edge(place, rim, slope, ground, sections=40, blur=1.0, noise=0.004):
+    """Light across a tube's edge at ``place``: ``rim`` there, rising inwards, even beyond."""
+    x = sampled_places(5.0, 2.5)
+    fine = np.arange(-20, 20, 0.02)
+    light = np.where(fine < place, rim + slope * (place - fine), ground)
+    light = np.interp(x, fine, gaussian_filter1d(light, blur / 0.02))
+    seen = np.repeat(light[None, :, None], sections, axis=0)
+    seen = seen + np.random.default_rng(1).normal(0, noise, seen.shape)
+    return Profiles(x, seen, np.arange(sections), False)
+
+
+@pytest.mark.parametrize("place", [-1.3, 0.0, 0.8])
+@pytest.mark.parametrize(("rim", "slope", "ground"), [(0.1, 0.06, 0.005), (0.3, 0.02, 0.85)])
+def test_an_edge_is_where_the_step_is_however_dim_the_rim(place, rim, slope, ground):
+    """Half of the light inside is passed up to 1.5 px inside the rim of a shaded tube."""
+    found, _ = edge_places(shaded_edge(place, rim, slope, ground), 5.0, 1.0)
+    assert np.median(found) == pytest.approx(place, abs=0.1)
+
+
+def test_the_blur_of_a_picture_is_that_of_its_edges():
+    edges = [shaded_edge(0.3, 0.2, 0.03, 0.01, blur=b, noise=0.001) for b in (1.4, 1.4)]
+    assert likely_blur(edges, 5.0) == 1.4
+
+
+def test_where_there_is_no_step_there_is_no_edge():
+    x = sampled_places(5.0, 2.5)
+    even = np.random.default_rng(2).normal(0.3, 0.01, (30, len(x), 1))
+    found, _ = edge_places(Profiles(x, even, np.arange(30), False), 5.0, 1.0)
+    assert np.isnan(found).mean() > 0.9
+
+
+def test_strands_wound_about_a_plane_axis_are_the_same_in_space():
+    s = np.linspace(0, 300, 400)
+    plane, phi = bent_axis(s, 0.6 * np.sin(s / 90)), 0.2 * s
+    flat = twist_strands(plane, phi, 5.0)
+    wound = twist_in_space(np.column_stack([plane, np.zeros(400)]), phi, 5.0)
+    np.testing.assert_allclose(wound, flat, atol=1e-9)
+
+
 def straight_model(length=400.0, r=6.0, pitch=100.0, lean=0.0):
     axis = axis_through(np.column_stack([np.full(50, 30.0), np.linspace(10, 10 + length, 50)]))
     layout = Layout(
@@ -203,6 +250,14 @@ def test_the_pair_is_the_two_colours_that_touch_longest():
     labels[:, 10:15], labels[:, 15:20], labels[20:26, 20:60] = 1, 3, 2
     membership = np.stack([(labels == k).astype(np.float32) for k in (1, 2, 3)])
     assert twisted_pair(Segmentation(labels, membership, np.zeros((3, 3)), 5.0)) == (0, 2)
+
+
+def test_a_seam_of_mixed_light_is_no_strand():
+    """Between two strands light mixes to the colour of a bar across them."""
+    labels = np.zeros((120, 60), np.int32)
+    labels[:, 10:20], labels[:, 20:22], labels[:, 22:32], labels[50:62] = 1, 3, 2, 3
+    membership = np.stack([(labels == k).astype(np.float32) for k in (1, 2, 3)])
+    assert twisted_pair(Segmentation(labels, membership, np.zeros((3, 3)), 10.0)) == (0, 1)
 
 
 def superhelix(turns=6.0, slope=0.5, size=20.0):
