@@ -103,16 +103,17 @@ def hands() -> None:
 
 
 def tilts(radii: tuple[int, ...]) -> None:
-    errors, leans = [], []
     for r in radii:
+        errors, leans = [], []
         for angle in (10, -10):
             drawn = uniform(r, tilt=np.radians(angle), turns=12)
             found = helix(Photo(drawn.pixels))
             errors.append(100 * abs(found.pitch / (PITCH * r) - 1))
             leans.append(np.degrees(found.lean) - angle)
-    report("tilt of +-10 degrees: pitch corrected, worst", "<= 0.5 %", f"{max(errors):.2f} %")
-    report("   the same uncorrected", "", f"{100 * (1 / np.cos(np.radians(10)) - 1):.2f} %")
-    report("   tilt found, worst error", "", f"{max(leans, key=abs):+.2f} degrees")
+        what = f"r = {r} px: tilt of +-10 degrees"
+        report(f"{what}: pitch corrected, worst", "<= 0.5 %", f"{max(errors):.2f} %")
+        report(f"{what}: found, worst error", "", f"{max(leans, key=abs):+.2f} degrees")
+    report("the same uncorrected", "", f"{100 * (1 / np.cos(np.radians(10)) - 1):.2f} %")
 
 
 def kinks() -> None:

@@ -281,6 +281,7 @@ def _data_md(unit: str) -> str:
         "colour of the strand in front at each crossing\n"
         "- `link.png`, `link.svg` link density and radius with 95 % bands\n"
         "- of a series: `profiles.csv`, `jumps.csv`, `kymograph.csv` (a column for each tine "
-        "position), `change.png`, `kymograph.png` and the same as SVG\n\n"
+        "position), `change.png` (dashed: the mean behind the tine, by its crossings), "
+        "`kymograph.png` and the same as SVG\n\n"
         f"Lengths are in {unit}.\n\n| column | meaning |\n|---|---|\n{rows}\n"
     )
