@@ -24,6 +24,7 @@ import numpy as np
 
 from imaging.background import Ground, contrast_of, ground_of, in_even_light
 from imaging.errors import Unmeasurable
+from imaging.gloss import without_highlights
 from imaging.palette import colour_features, find_colours, unmixed, vote
 from imaging.photo import Photo
 
@@ -109,6 +110,10 @@ def _labelled(
     if len(colours) == 0:
         return np.zeros(strand.shape, np.uint8), colours, width, np.zeros_like(strand)
     labels, depth, width = _voted(features, strand, centres, width, say)
+    matt, bodies = without_highlights(labels, colours, width)
+    if len(bodies) < len(colours):
+        labels, colours, depth = matt, bodies, _depth(matt)
+        width = _typical_width(depth)
     blocks = _blocks(labels, depth, width)
     labels[blocks] = 0
     width = _strip_width(depth[labels > 0])
