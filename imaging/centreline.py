@@ -18,7 +18,7 @@ SEARCH = 0.8  # strand widths; how far a rough centreline may be from what is se
 SHORTEST_WAVE = 4.0  # strand widths; shorter wiggles are taken for noise
 # Calibrated on rendered curls (shading, highlight, blur, uneven light):
 SHADING_SD = 0.018  # strand widths; both edges seen, moved by shading and highlight
-ONE_EDGE_SD = 0.055  # strand widths more, where an edge is hidden
+ONE_EDGE_SD = 0.07  # strand widths more, where an edge is hidden
 VALLEY = 0.015  # strand widths for each unit of sd in which a strand could be as well
 HIDDEN_GROWTH = 0.15  # px of sd per px^1.5 of distance to the nearest visible point, over w^0.5
 
@@ -215,9 +215,9 @@ def _moved(
     local = _local_width(low, high, width, int(AROUND * width / _step(width)))
     offset, sd = _offsets(low, high, local)
     if place is not None:
-        there, spread = place(line, sd != 1)
-        placed = np.isfinite(spread)
-        offset, sd = np.where(placed, there, offset), np.where(placed, spread, sd)
+        unsure = sd != 1
+        there, spread = place(line, unsure)
+        offset, sd = np.where(unsure, there, offset), np.where(unsure, spread, sd)
     seen = np.where(np.isfinite(sd), np.isfinite(low).astype(int) + np.isfinite(high), 0)
     return line + offset[:, None] * normals(line), sd, local, seen
 

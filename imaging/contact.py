@@ -26,10 +26,7 @@ TOLERANCE = 0.04  # strand widths of colour unexplained that make no difference 
 ALONG = 0.5  # strand widths along the strand over which evidence is gathered
 LAZY = 1e-3  # of a strand width for each it has to move: of equal places the nearest
 ALIKE = 0.25  # of its own contrast; a strand whose colour differs by less cannot be told apart
-FAINT = 0.2  # of another strand's share; its shading may feign this much of the strand's own
-ALONE = 1.0  # strand widths to either side that show nothing of a strand that lies alone
-FEWEST = 5  # cross-sections from which a width is learnt
-FORBIDDEN = 1e3  # cost of a place beyond SEARCH
+FAINT = 0.2  # share of a colour that shading may feign
 UNIT = 0.045  # strand widths; the sd that counts as 1 beside the strand's own edges
 
 
@@ -93,55 +90,24 @@ def place(
     offset : (n,) array
         Along the normal [px].
     sd : (n,) array
-        In units of `UNIT`; NaN where the strand is sure and lies alone.
+        In units of `UNIT`; both are meaningless where it is not unsure.
     """
     width = float(np.median(own.width))
     offset, sd = np.zeros(len(line)), np.full(len(line), np.nan)
     along = ALONG * width * (len(line) - 1) / arclength(line)[-1]
-    doubtful = unsure | _beside_another(line, others, width)
-    rows = np.flatnonzero(ndimage.binary_dilation(doubtful, iterations=int(2 * along) + 1))
+    rows = np.flatnonzero(ndimage.binary_dilation(unsure, iterations=int(2 * along) + 1))
     if len(rows) == 0:
         return offset, sd
-    at = _across(line[rows], normals(line)[rows], SIGHT, width)
+    reach = round(SIGHT / STEP)
+    across = STEP * width * np.arange(-reach, reach + 1)
+    at = line[rows, None] + across[None, :, None] * normals(line)[rows, None]
     nearest = own.points.query(line[rows])[1]
     ground, mine = _taken_apart(at, own.colour[nearest], others, picture, width)
-    cost = _cost(ground, mine, _share_of_width(line[~doubtful], own, picture, width))
+    cost = _cost(ground, mine)
     cost = ndimage.gaussian_filter1d(cost, along, axis=0, mode="nearest")
     middle, half = _valley(cost)
     offset[rows], sd[rows] = middle * width, half / UNIT
-    sd[~doubtful] = np.nan
     return offset, sd
-
-
-def _beside_another(line: np.ndarray, others: Sequence[Known], width: float) -> np.ndarray:
-    """Points (n,) so near another strand that its rim may count as the strand's own edge."""
-    near = np.zeros(len(line), bool)
-    for other in others:
-        near |= np.isfinite(other.points.query(line, distance_upper_bound=width)[0])
-    return near
-
-
-def _across(line: np.ndarray, normal: np.ndarray, sight: float, width: float) -> np.ndarray:
-    """Points (n, m, 2) along the normals, `sight` widths to either side."""
-    reach = round(sight / STEP)
-    away = STEP * width * np.arange(-reach, reach + 1)
-    return line[:, None] + away[None, :, None] * normal[:, None]
-
-
-def _share_of_width(line: np.ndarray, own: Known, picture: np.ndarray, width: float) -> float:
-    """How wide the strand is by its share of the colours where it lies alone, over `width`."""
-    if len(line) < FEWEST:
-        return 1.0
-    nearest = own.points.query(line[:: max(1, int(width / 2))])[1]
-    at = _across(own.points.data[nearest], own.normal[nearest], ALONE, width)
-    mine = _share(sample(picture, at), own.colour[nearest][:, None])
-    alone = np.maximum(mine[:, 0], mine[:, -1]) < FAINT
-    return STEP * float(np.median(mine[alone].sum(axis=1))) if alone.sum() >= FEWEST else 1.0
-
-
-def _share(colours: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """Share in [0, 1] of one colour, over the ground."""
-    return np.clip(_dot(colours, own) / _dot(own, own), 0, 1)
 
 
 def _taken_apart(
@@ -149,7 +115,7 @@ def _taken_apart(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Share of the ground and of the strand itself in each sample, (n, m) both."""
     colours = sample(picture, at)
-    mine = _share(colours, own[:, None])
+    mine = np.clip(_dot(colours, own[:, None]) / _dot(own, own)[:, None], 0, 1)
     left = _norm(colours - mine[..., None] * own[:, None])
     ground = 1 - mine
     for other in others:
@@ -162,8 +128,7 @@ def _taken_apart(
         better = rest < left[i, j]
         i, j, a, b = i[better], j[better], a[better], b[better]
         mine[i, j], ground[i, j], left[i, j] = a, 1 - a - b, rest[better]
-    others_share = np.clip(1 - mine - ground, 0, 1)
-    return ground, np.maximum(mine - FAINT * others_share, 0)
+    return ground, np.clip((mine - FAINT) / (1 - FAINT), 0, 1)
 
 
 def _beside(
@@ -210,9 +175,9 @@ def _norm(a: np.ndarray) -> np.ndarray:
     return np.sqrt(_dot(a, a))
 
 
-def _cost(ground: np.ndarray, mine: np.ndarray, width: float) -> np.ndarray:
+def _cost(ground: np.ndarray, mine: np.ndarray) -> np.ndarray:
     """Ground seen inside, and own colour seen outside, were the strand at each sample [widths]."""
-    half = width / 2 / STEP
+    half = 0.5 / STEP
     reach = int(np.ceil(half))
     kernel = np.clip(half + 0.5 - np.abs(np.arange(-reach, reach + 1)), 0, 1)
     inside = ndimage.correlate1d(ground - mine, kernel, axis=1, mode="nearest")
@@ -223,19 +188,10 @@ def _valley(cost: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Middle and half-length [widths] of the places as good as the best, within TOLERANCE."""
     index = np.arange(cost.shape[1])
     across = STEP * (index - cost.shape[1] // 2)
-    cost = np.where(np.abs(across) <= SEARCH, cost + LAZY * np.abs(across), FORBIDDEN)
+    cost = np.where(np.abs(across) <= SEARCH, cost + LAZY * np.abs(across), np.inf)
     best = cost.argmin(axis=1)[:, None]
-    above = cost - (cost.min(axis=1, keepdims=True) + TOLERANCE)
-    # The run of good places that holds the best one, and where between samples it ends.
-    low = np.where((above > 0) & (index < best), index, -1).max(axis=1)
-    high = np.where((above > 0) & (index > best), index, len(index)).min(axis=1)
-    low, high = _passed(above, low, low + 1), _passed(above, high, high - 1)
-    middle = (low + high) / 2 - cost.shape[1] // 2
-    return STEP * middle, STEP * (high - low) / 2
-
-
-def _passed(above: np.ndarray, outside: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Where (n,) between two samples of each row the cost passes what is as good as the best."""
-    row = np.arange(len(above))
-    outer, inner = above[row, outside], above[row, inside]
-    return outside + (inside - outside) * outer / (outer - inner)
+    good = cost <= cost.min(axis=1, keepdims=True) + TOLERANCE
+    # The run of good places that holds the best one.
+    low = np.where(~good & (index < best), index, -1).max(axis=1) + 1
+    high = np.where(~good & (index > best), index, len(index)).min(axis=1) - 1
+    return (across[low] + across[high]) / 2, (across[high] - across[low] + STEP) / 2

@@ -39,20 +39,6 @@ def test_a_hidden_bar_is_placed_by_its_sliver(aside):
     assert (sd[10:-10] < 4).all()
 
 
-@pytest.mark.parametrize("aside", [-4.3, -2.6, -1.35, 1.35, 2.6, 4.3])
-def test_a_sliver_places_a_hidden_bar_between_samples(aside):
-    """Samples are 0.8 px apart, and the place is not that of the nearest one."""
-    picture, _, _ = bars(0)
-    x = np.arange(60) - 30
-    shown = np.clip(4.5 - np.abs(x - aside), 0, 1)
-    front = np.abs(x) < 4
-    picture[:] = np.where(front[:, None], (30, 0, 0), shown[:, None] * [0, 40.0, 10])
-    _, over, rear = bars(0)
-    line = rear.points.data
-    offset, _ = place(line, np.ones(50, bool), own=rear, others=[over], picture=picture)
-    np.testing.assert_allclose(-offset[10:-10], aside, atol=0.1)
-
-
 def touching(excursion: float) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Draw a straight strand on top of one that dips under it and comes out by `excursion` px."""
     y = np.linspace(20, 240, 500)
