@@ -3,7 +3,9 @@
 import cv2
 import numpy as np
 from scipy.optimize import nnls
+from skimage.color import lab2xyz
 
+WHITE = lab2xyz([[100.0, 0.0, 0.0]])[0]  # XYZ, in which light adds
 UNLIKE = 0.15  # of a colour; what body colour and lamp leave unexplained in a highlight
 BESIDE = 0.4  # of a highlight's outline that borders on its strand: one of its two sides
 NEAR = 0.7  # of a highlight's area that lies within half a strand width of its strand
@@ -35,11 +37,11 @@ def without_highlights(
     labels : (h, w) uint8 array
     colours : (m, 3) array
     """
-    linear = _linear_rgb(colours)
+    light = lab2xyz(colours)
     body = np.arange(len(colours))
     for shine, other in np.argwhere(_borders(labels, len(colours)) >= BESIDE).tolist():
         settled = body[shine] != shine or body[other] != other
-        if settled or not _may_be_highlight(linear[shine], linear[other]):
+        if settled or not _may_be_highlight(light[shine], light[other]):
             continue
         if _lies_on(labels, shine + 1, other + 1, width):
             body[body == shine] = other
@@ -49,16 +51,10 @@ def without_highlights(
     return np.concatenate([[0], number + 1]).astype(np.uint8)[labels], colours[kept]
 
 
-def _linear_rgb(lab: np.ndarray) -> np.ndarray:
-    """Linear light (n, 3) of Lab colours (IEC 61966-2-1)."""
-    coded = cv2.cvtColor(lab.astype(np.float32)[None], cv2.COLOR_Lab2RGB)[0].clip(0, 1)
-    return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
-
-
 def _may_be_highlight(shine: np.ndarray, body: np.ndarray) -> bool:
     """Tell whether a colour is more or less of another one, with white light added."""
-    (_, white), rest = nnls(np.stack([body, np.ones(3)], axis=1), shine)
-    return bool(white > 0 and rest < UNLIKE * np.linalg.norm(shine))
+    (_, lamp), rest = nnls(np.stack([body, WHITE], axis=1), shine)
+    return bool(lamp > 0 and rest < UNLIKE * np.linalg.norm(shine))
 
 
 def _borders(labels: np.ndarray, count: int) -> np.ndarray:

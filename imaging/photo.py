@@ -6,11 +6,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from imaging.background import bands
 from imaging.decode import decode
 from imaging.errors import Unmeasurable
 from imaging.region import MIN_SIDE, Box, mask_of, outside
-
-BAND = 2**17  # pixels converted at once, whole rows: they stay in the processor's cache
 
 # EXIF orientation -> (mirror left-right first, then quarter turns anticlockwise)
 _UPRIGHT = {
@@ -62,9 +61,7 @@ class Photo:
     def lab(self) -> np.ndarray:
         """Return CIE Lab (D65, L from 0 to 100) float32, shape (h, w, 3)."""
         colour = np.empty((*self.shape, 3), np.float32)
-        rows = max(BAND // self.shape[1], 1)
-        for top in range(0, len(colour), rows):
-            band = slice(top, top + rows)
+        for band in bands(self.shape):
             cv2.cvtColor(self._rgb(band), cv2.COLOR_RGB2Lab, dst=colour[band])
         return colour
 

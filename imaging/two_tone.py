@@ -52,19 +52,34 @@ def head_on(
     list of (int, int, float)
         Indices into `ends`, and how much less the join costs than to leave both.
     """
+    facing = _facing(ends, colours, width, farthest=FARTHEST, price=PRICE)
+    return [
+        (a, b, gain) for a, b, gain in facing if _one_outline(ends[a], ends[b], coverage, width)
+    ]
+
+
+def _facing(
+    ends: Sequence[End],
+    colours: np.ndarray,
+    width: float,
+    *,
+    farthest: float,
+    price: float,
+    dearer: float = 1.0,
+) -> list[Gain]:
+    """Find joins of ends of different colours, nearly in line, that are worth their price.
+
+    `farthest` is in strand widths; `dearer` is how many times its usual cost a bend costs.
+    """
     if len(ends) < 2:
         return []
     points, directions, _ = as_arrays(ends)
     i, j = np.nonzero(np.triu(np.not_equal.outer(colours, colours), 1))
     bend, gap = bending(points[i], directions[i], points[j], directions[j], width)
-    gain = 2 * GIVE_UP - PRICE - bend
+    gain = 2 * GIVE_UP - price - dearer * bend
     straight = -(directions[i] * directions[j]).sum(axis=1) > np.cos(CORNER)
-    good = (gain > 0) & (gap < FARTHEST * width) & straight
-    return [
-        (a, b, left)
-        for a, b, left in zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True)
-        if _one_outline(ends[a], ends[b], coverage, width)
-    ]
+    good = (gain > 0) & (gap < farthest * width) & straight
+    return list(zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True))
 
 
 def _one_outline(first: End, second: End, coverage: np.ndarray, width: float) -> bool:
@@ -113,16 +128,11 @@ def beneath(
     list of (int, int, float)
         Indices into `ends`, and how much less the join costs than to leave both.
     """
-    if len(ends) < 2:
-        return []
-    points, directions, _ = as_arrays(ends)
-    i, j = np.nonzero(np.triu(np.not_equal.outer(colours, colours), 1))
-    bend, gap = bending(points[i], directions[i], points[j], directions[j], width)
-    gain = 2 * GIVE_UP - UNSEEN - UNSEEN_BEND * bend
-    straight = -(directions[i] * directions[j]).sum(axis=1) > np.cos(CORNER)
-    good = (gain > 0) & (gap < UNSEEN_FARTHEST * width) & straight
     found = []
-    for a, b, most in zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True):
+    facing = _facing(
+        ends, colours, width, farthest=UNSEEN_FARTHEST, price=UNSEEN, dearer=UNSEEN_BEND
+    )
+    for a, b, most in facing:
         own = (colours[a] + 1, colours[b] + 1)
         path = bridge(ends[a], ends[b])
         bare = _bare(path, labels, own, width)
