@@ -14,6 +14,7 @@ AROUND = 20.0  # strand widths over which a strand's width is averaged
 SAMPLES = 16  # across a strand's width
 FINEST = 0.35  # px between samples; a picture holds no more
 BEYOND = 0.75  # px beyond an edge where the background must show, or else the edge is hidden
+AGAIN = 3.0  # strand widths around a hidden edge in which placing the strand moves its line
 SEARCH = 0.8  # strand widths; how far a rough centreline may be from what is seen of its strand
 SHORTEST_WAVE = 4.0  # strand widths; shorter wiggles are taken for noise
 # Calibrated on rendered curls (shading, highlight, blur, uneven light):
@@ -47,7 +48,11 @@ def normals(line: np.ndarray) -> np.ndarray:
 
 
 def edges(
-    line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float
+    line: np.ndarray,
+    own: np.ndarray,
+    strand: np.ndarray,
+    width: float,
+    normal: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Signed distances along the normal to a strand's two edges.
 
@@ -59,6 +64,8 @@ def edges(
     strand : (h, w) float32 array
         Coverage by any strand: where it stays high beyond the edge, another strand hides this one.
     width : float
+    normal : (n, 2) array, optional
+        Unit normals; by default those of the line.
 
     Returns
     -------
@@ -68,7 +75,7 @@ def edges(
     step = max(width / SAMPLES, FINEST)
     reach = int(np.ceil(1.5 * width / step))
     across = step * np.arange(-reach, reach + 1)
-    normal = normals(line)
+    normal = normals(line) if normal is None else normal
     profile = _aside(own, line, normal, across[:, None])
     outside = np.ascontiguousarray((profile < 0.5).T)
     middle = _nearest_inside(outside, SEARCH * width / step)
@@ -157,38 +164,74 @@ class Centreline(NamedTuple):
     edges: np.ndarray
 
 
+class Sections(NamedTuple):
+    """Evenly spaced cross-sections of a strand, about a tenth of its width apart.
+
+    Attributes
+    ----------
+    line : (n, 2) array
+        The smoothed centreline [px].
+    middle : (n, 2) array
+        Middle between the edges, as it was seen [px].
+    sd : (n,) array
+        Relative sd of that: 1 where both edges show, more where it rests on less, NaN = not seen.
+    width : (n,) array
+        Local width [px].
+    edges : (n,) int array
+        How many of the two edges are seen.
+    """
+
+    line: np.ndarray
+    middle: np.ndarray
+    sd: np.ndarray
+    width: np.ndarray
+    edges: np.ndarray
+
+
 Place = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def refine(
-    line: np.ndarray,
-    own: np.ndarray,
-    strand: np.ndarray,
-    width: float,
-    *,
-    rounds: int = 2,
-    place: Place | None = None,
-) -> Centreline:
+def refine(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> Sections:
     """Move a rough centreline (n, 2) to the middle between the strand's edges.
 
     Where one edge is hidden the other is used with the strand's local width; where both are
-    hidden the smoothing spline bridges with least bending. `place`, if given, is asked instead for
-    the offset and its relative sd wherever an edge is hidden.
+    hidden the smoothing spline bridges with least bending.
     """
-    step = _step(width)
     smooth = _even(line, width)
-    for _ in range(rounds):  # again on the moved line, whose normals are better
-        moved, sd, local, seen = _moved(resample(smooth, step), own, strand, width, place)
-        smooth = _weighed(moved, sd, width)
-    spread = _spread(moved, smooth, sd, seen == 2, width)
-    return _dense(Centreline(smooth, local, spread, seen), step)
+    for _ in range(2):  # again on the moved line, whose normals are better
+        found = _seen(resample(smooth, _step(width)), own, strand, width)
+        smooth = _weighed(found.middle, found.sd, width)
+    return found._replace(line=smooth)
+
+
+def settle(
+    found: Sections, own: np.ndarray, strand: np.ndarray, width: float, place: Place
+) -> Sections:
+    """Ask `place` for the offset and its relative sd wherever an edge is hidden.
+
+    Edges are sought again only within `AGAIN` strand widths of there: elsewhere the line has not
+    moved since they were found.
+    """
+    reach = int(AGAIN * width / _step(width))
+    near = ndimage.binary_dilation(found.sd != 1, iterations=reach)
+    line, normal = found.line, normals(found.line)
+    low, high = edges(line[near], own, strand, width, normal[near])
+    offset, sd = np.zeros(len(line)), found.sd.copy()
+    offset[near], sd[near] = _offsets(low, high, found.width[near])
+    unsure = sd != 1
+    there, spread = place(line, unsure)
+    offset, sd = np.where(unsure, there, offset), np.where(unsure, spread, sd)
+    seen = found.edges.copy()
+    seen[near] = _edges_seen(low, high, sd[near])
+    middle = np.where(near[:, None], line + offset[:, None] * normal, found.middle)
+    return Sections(_weighed(middle, sd, width), middle, sd, found.width, seen)
 
 
 def centred(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> np.ndarray:
     """Points (m, 2) of `refine`'s first round, where nothing else is asked."""
     step = _step(width)
-    moved, sd, _, _ = _moved(resample(_even(line, width), step), own, strand, width)
-    smooth = _weighed(moved, sd, width)
+    found = _seen(resample(_even(line, width), step), own, strand, width)
+    smooth = _weighed(found.middle, found.sd, width)
     return smooth if step == 1 else _between(smooth)[0]
 
 
@@ -203,23 +246,18 @@ def _even(line: np.ndarray, width: float) -> np.ndarray:
     return _smoothed(even, np.ones(len(even)), width / _step(width))
 
 
-def _moved(
-    line: np.ndarray,
-    own: np.ndarray,
-    strand: np.ndarray,
-    width: float,
-    place: Place | None = None,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Points between the edges, their relative sd (NaN = hidden), local width and edges seen."""
-    low, high = edges(line, own, strand, width)
+def _seen(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> Sections:
+    """Find what is seen of a strand in the cross-sections of a line."""
+    normal = normals(line)
+    low, high = edges(line, own, strand, width, normal)
     local = _local_width(low, high, width, int(AROUND * width / _step(width)))
     offset, sd = _offsets(low, high, local)
-    if place is not None:
-        unsure = sd != 1
-        there, spread = place(line, unsure)
-        offset, sd = np.where(unsure, there, offset), np.where(unsure, spread, sd)
-    seen = np.where(np.isfinite(sd), np.isfinite(low).astype(int) + np.isfinite(high), 0)
-    return line + offset[:, None] * normals(line), sd, local, seen
+    middle = line + offset[:, None] * normal
+    return Sections(line, middle, sd, local, _edges_seen(low, high, sd))
+
+
+def _edges_seen(low: np.ndarray, high: np.ndarray, sd: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(sd), np.isfinite(low).astype(int) + np.isfinite(high), 0)
 
 
 def _weighed(points: np.ndarray, sd: np.ndarray, width: float) -> np.ndarray:
@@ -228,14 +266,15 @@ def _weighed(points: np.ndarray, sd: np.ndarray, width: float) -> np.ndarray:
     return _smoothed(points, weight, width / _step(width))
 
 
-def _dense(found: Centreline, step: float) -> Centreline:
-    """Points about 1 px apart, on the cubic through points about `step` apart."""
-    if step == 1:
-        return found
+def dense(found: Sections, width: float) -> Centreline:
+    """Points about 1 px apart, on the cubic through the middles of cross-sections."""
+    spread = _spread(found, width)
+    if _step(width) == 1:
+        return Centreline(found.line, found.width, spread, found.edges)
     line, at = _between(found.line)
     even = np.arange(len(found.line))
-    width, sd = np.interp(at, even, found.width), np.interp(at, even, found.sd)
-    return Centreline(line, width, sd, found.edges[np.rint(at).astype(int)])
+    wide, sd = np.interp(at, even, found.width), np.interp(at, even, spread)
+    return Centreline(line, wide, sd, found.edges[np.rint(at).astype(int)])
 
 
 def _between(line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -291,21 +330,20 @@ def _smoothed(points: np.ndarray, weight: np.ndarray, width: float) -> np.ndarra
     return solveh_banded(band, w[:, None] * points)
 
 
-def _spread(
-    moved: np.ndarray, smooth: np.ndarray, sd: np.ndarray, both: np.ndarray, width: float
-) -> np.ndarray:
+def _spread(found: Sections, width: float) -> np.ndarray:
     """Estimate the standard deviation of the smoothed centreline [px]."""
+    smooth, sd = found.line, found.sd
     seen = np.isfinite(sd)
     if not seen.any():
         return np.full(len(smooth), width)
     step = arclength(smooth)[-1] / max(len(smooth) - 1, 1)
-    rest = ((moved - smooth) * normals(smooth)).sum(axis=1)[seen] / sd[seen]
+    rest = ((found.middle - smooth) * normals(smooth)).sum(axis=1)[seen] / sd[seen]
     noise = 1.4826 * float(np.median(np.abs(rest)))
     at = np.flatnonzero(seen)
     index = np.arange(len(smooth))
     right = at[np.searchsorted(at, index).clip(0, len(at) - 1)]
     left = at[(np.searchsorted(at, index, side="right") - 1).clip(0, len(at) - 1)]
     away = np.minimum(np.abs(index - left), np.abs(right - index)) * step
-    bias = width * np.where(both, SHADING_SD, np.hypot(SHADING_SD, ONE_EDGE_SD))
+    bias = width * np.where(found.edges == 2, SHADING_SD, np.hypot(SHADING_SD, ONE_EDGE_SD))
     growth = HIDDEN_GROWTH * away**1.5 / np.sqrt(width)
     return np.sqrt(noise**2 + bias**2 + growth**2 + (VALLEY * width * np.where(seen, sd, 0)) ** 2)

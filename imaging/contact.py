@@ -54,13 +54,19 @@ def known(line: np.ndarray, width: np.ndarray, edges: np.ndarray, picture: np.nd
     at = np.flatnonzero(edges == 2)
     if len(at) == 0:
         at = np.arange(len(line))
-    at = at[:: max(1, int(width[0] / 2))]
+    spacing = arclength(line)[-1] / (len(line) - 1)
+    at = at[:: max(1, int(width[0] / (2 * spacing)))]
     across = np.array([-0.2, 0, 0.2]) * width[at, None]
     colour = sample(picture, line[at, None] + across[..., None] * normals(line)[at, None])
     seen = ndimage.median_filter(np.median(colour, axis=1), size=(min(21, len(at)), 1))
     even = np.arange(len(line))
     along = np.stack([np.interp(even, at, seen[:, i]) for i in range(3)], axis=1)
     return Known(cKDTree(line), normals(line), along.astype(np.float32), width)
+
+
+def moved(strand: Known, line: np.ndarray) -> Known:
+    """Return what is known of a strand, along another line of as many points."""
+    return strand._replace(points=cKDTree(line), normal=normals(line))
 
 
 def place(
@@ -79,7 +85,7 @@ def place(
     unsure : (n,) bool array
         Where to look.
     own : Known
-        The strand itself.
+        The strand itself, along as many points.
     others : sequence of Known
         All other strands.
     picture : (h, w, 3) float32 array
@@ -101,8 +107,7 @@ def place(
     reach = round(SIGHT / STEP)
     across = STEP * width * np.arange(-reach, reach + 1)
     at = line[rows, None] + across[None, :, None] * normals(line)[rows, None]
-    nearest = own.points.query(line[rows])[1]
-    ground, mine = _taken_apart(at, own.colour[nearest], others, picture, width)
+    ground, mine = _taken_apart(at, own.colour[rows], others, picture, width)
     cost = _cost(ground, mine)
     cost = ndimage.gaussian_filter1d(cost, along, axis=0, mode="nearest")
     middle, half = _valley(cost)

@@ -15,9 +15,18 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from imaging.branches import End, branches, ends_of
-from imaging.centreline import arclength, centred, normals, refine, sample
+from imaging.centreline import (
+    Sections,
+    arclength,
+    centred,
+    dense,
+    normals,
+    refine,
+    sample,
+    settle,
+)
+from imaging.contact import Known, moved, place
 from imaging.contact import known as know
-from imaging.contact import place
 from imaging.corners import without_corners
 from imaging.doubled import broad_parts, drawn, hold_apart, is_in, keep_sides, stems
 from imaging.matching import Gain, bridge, chains, doubtful, join, refund, within_colour
@@ -99,40 +108,46 @@ def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand
     coverage = segmentation.coverage
     if coverage is None:
         coverage = segmentation.membership.sum(axis=0)
-    chained = _chained(segmentation, covered, coverage)
-    strands = [_strand(chain, segmentation, coverage) for chain in chained]
-    strands = [s for s in strands if _is_whole(s, segmentation, coverage)]
+    drafts = [
+        _strand(chain, segmentation, coverage)
+        for chain in _chained(segmentation, covered, coverage)
+    ]
+    drafts = [draft for draft in drafts if _is_whole(draft[0], segmentation, coverage)]
+    strands = [strand for strand, _ in drafts]
     if segmentation.contrast is None:
         return strands
-    for _ in range(ROUNDS):
-        strands = _settled(strands, segmentation, coverage)
-    return strands
+    return _settled(strands, [sections for _, sections in drafts], segmentation, coverage)
 
 
 def _settled(
-    strands: list[Strand], segmentation: Segmentation, coverage: np.ndarray
+    strands: list[Strand], found: list[Sections], segmentation: Segmentation, coverage: np.ndarray
 ) -> list[Strand]:
-    """Place each strand anew where others hide its edges, all others as they are."""
-    picture = segmentation.contrast
+    """Place each strand anew where others hide its edges, all others as they are; in rounds."""
+    picture, width = segmentation.contrast, segmentation.width
     assert picture is not None
-    known = [know(s.line, s.width, s.edges, picture) for s in strands]
-    found = []
-    for number, strand in enumerate(strands):
-        if (strand.edges == 2).all():
-            found.append(strand)
-            continue
-        others = [other for i, other in enumerate(known) if i != number]
-        fine = refine(
-            strand.line,
-            own_membership(segmentation, coverage, strand.line, strand.tones),
-            coverage,
-            segmentation.width,
-            rounds=1,
-            place=partial(place, own=known[number], others=others, picture=picture),
-        )
-        tones = _nearest_tones(fine.line, strand.line, strand.tones)
-        found.append(replace(strand, **fine._asdict(), tones=tones))
-    return found
+    owns = [own_membership(segmentation, coverage, s.line, s.tones) for s in strands]
+    known = [know(one.line, one.width, one.edges, picture) for one in found]
+    for _ in range(ROUNDS):
+        found = [
+            settle(
+                one, own, coverage, width, partial(place, own=it, others=others, picture=picture)
+            )
+            if (one.sd != 1).any()
+            else one
+            for one, own, it, others in zip(found, owns, known, _all_but_each(known), strict=True)
+        ]
+        known = [moved(it, one.line) for it, one in zip(known, found, strict=True)]
+    return [_placed(strand, one, width) for strand, one in zip(strands, found, strict=True)]
+
+
+def _all_but_each(known: list[Known]) -> list[list[Known]]:
+    return [known[:i] + known[i + 1 :] for i in range(len(known))]
+
+
+def _placed(strand: Strand, found: Sections, width: float) -> Strand:
+    fine = dense(found, width)
+    tones = _nearest_tones(fine.line, strand.line, strand.tones)
+    return replace(strand, **fine._asdict(), tones=tones)
 
 
 def _nearest_tones(line: np.ndarray, known: np.ndarray, tones: np.ndarray) -> np.ndarray:
@@ -260,19 +275,23 @@ def _long_enough(chained: list[Chain], width: float) -> list[Chain]:
     ]
 
 
-def _strand(chain: Chain, segmentation: Segmentation, coverage: np.ndarray) -> Strand:
+def _strand(
+    chain: Chain, segmentation: Segmentation, coverage: np.ndarray
+) -> tuple[Strand, Sections]:
+    """Strand along a chain, and its cross-sections."""
     width, labels = segmentation.width, segmentation.labels
     line, tones, doubts = chain
     if line[0, 1] > line[-1, 1]:
         line, tones, doubts = line[::-1], tones[::-1], doubts[::-1]
     own = own_membership(segmentation, coverage, line, tones)
     longer = _extended(_extended(line, own, width)[::-1], own, width)[::-1]
-    fine = refine(longer, own, coverage, width)
+    found = refine(longer, own, coverage, width)
+    fine = dense(found, width)
     ends = (
         _kind(fine.line[::-1], labels, tones[0], width),
         _kind(fine.line, labels, tones[-1], width),
     )
-    return Strand(*fine, _nearest_tones(fine.line, line, tones), ends, doubts)
+    return Strand(*fine, _nearest_tones(fine.line, line, tones), ends, doubts), found
 
 
 def _extended(line: np.ndarray, own: np.ndarray, width: float) -> np.ndarray:
