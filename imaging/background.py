@@ -1,6 +1,7 @@
 """The background under the strands: a smooth surface of colour that also tells how light falls."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import cv2
@@ -27,13 +28,18 @@ class Ground(NamedTuple):
 
     def rows(self, band: slice) -> np.ndarray:
         """Colours (m, w, 3) in a band of rows, between coarse ones by hat functions."""
+        flat = self.coarse.reshape(len(self.coarse), -1)
+        last = len(flat) - 1
         row = np.arange(band.start, band.stop) + 0.5
-        last = len(self.coarse) - 1
-        at = (row * len(self.coarse) / self.height - 0.5).clip(0, last)
-        near = np.arange(int(at[0]), min(int(at[-1]) + 1, last) + 1)
-        hat = np.maximum(1 - np.abs(at[:, None] - near), 0).astype(np.float32)
-        flat = self.coarse[near[0] : near[-1] + 1].reshape(len(near), -1)
-        return (hat @ flat).reshape(len(row), -1, 3)
+        at = (row * len(flat) / self.height - 0.5).clip(0, last)
+        near = at.astype(int).clip(0, max(last - 1, 0))
+        hat = np.maximum(1 - np.abs(at[:, None] - near[:, None] - [0, 1]), 0).astype(np.float32)
+        found = np.empty((len(row), flat.shape[1]), np.float32)
+        starts = np.flatnonzero(np.diff(near, prepend=-1)).tolist()
+        for start, stop in pairwise([*starts, len(row)]):  # rows between the same two coarse ones
+            between = flat[near[start] : near[start] + 2]
+            np.matmul(hat[start:stop], between, out=found[start:stop])
+        return found.reshape(len(row), -1, 3)
 
     def at(self, places: np.ndarray) -> np.ndarray:
         """Colours (n, 3) at ascending places in the flattened picture."""

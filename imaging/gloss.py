@@ -59,15 +59,13 @@ def _may_be_highlight(shine: np.ndarray, body: np.ndarray) -> bool:
 
 def _borders(labels: np.ndarray, count: int) -> np.ndarray:
     """Share (k, k) of the outline of each colour, in rows, at which each other one lies."""
-    across = labels.shape[1]
-    flat = labels.ravel()
-    at = np.flatnonzero(flat)
     met = np.zeros((count + 1) ** 2, int)
-    for step in (-across, -1, 1, across):
-        pair = flat[at].astype(np.int64) * (count + 1) + flat.take(at + step, mode="clip")
+    for here, there in ((labels[1:], labels[:-1]), (labels[:, 1:], labels[:, :-1])):
+        border = here != there
+        pair = here[border].astype(int) * (count + 1) + there[border]
         met += np.bincount(pair, minlength=len(met))
-    met = met.reshape(count + 1, count + 1)[1:]
-    met[np.arange(count), np.arange(count) + 1] = 0
+    met = met.reshape(count + 1, count + 1)
+    met = (met + met.T)[1:]
     return met[:, 1:] / np.maximum(met.sum(axis=1, keepdims=True), 1)
 
 

@@ -36,6 +36,7 @@ BORDER = 0.5  # change of (L, a, b)/(L + 16), summed, that tells two strands fro
 DEEPER = 1.25  # times the depth of a single strand; the border of two that touch lies deeper
 BLOCK = 3.0  # strand widths; a patch of one colour this wide is no strand
 JUST_NOTICED = 2.0  # Lab units; a smaller change of colour says nothing
+SPARSE = 2**24  # pixels of all colours; from there on memory is saved, below it time
 MIN_LENGTH = 5.0  # strand widths; a shorter blob is dirt
 NO_STRAND = (
     "what stands out from the background is no strand: it is not long or not of one colour; "
@@ -289,13 +290,12 @@ def _strip_width(depth: np.ndarray) -> float:
 
 def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
     """Drop blobs too short to be a strand (uint8 mask)."""
-    _, blobs, stats, _ = cv2.connectedComponentsWithStatsWithAlgorithm(
-        mask.view(np.uint8), 8, cv2.CV_32S, cv2.CCL_GRANA
-    )
-    extent = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
-    good = extent > MIN_LENGTH * width
-    good[0] = False
-    return good[blobs].astype(np.uint8)
+    long = mask.astype(np.uint8)
+    outlines, nested = cv2.findContours(long, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
+    for outline, (_, _, _, within) in zip(outlines, nested[0], strict=True):
+        if within < 0 and np.hypot(*cv2.boundingRect(outline)[2:]) <= MIN_LENGTH * width:
+            cv2.drawContours(long, [outline], 0, 0, cv2.FILLED)
+    return long
 
 
 def _depth(labels: np.ndarray) -> np.ndarray:
@@ -363,9 +363,12 @@ def _places_around(at: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _sparse_zeros(shape: tuple[int, ...]) -> np.ndarray:
-    """Zeros (float32) of which only the pages of 4 KB that are written to take memory.
+    """Zeros (float32) of which, where they are many, only pages of 4 KB written to take memory.
 
     numpy asks for pages of 2 MB, in which every row of a large picture is touched by some strand.
+    But 2 us a page is more than it takes to write zeros to a small picture's memory.
     """
+    if math.prod(shape) < SPARSE:
+        return np.zeros(shape, np.float32)
     memory = mmap.mmap(-1, 4 * math.prod(shape), access=mmap.ACCESS_COPY)
     return np.frombuffer(memory, np.float32).reshape(shape)

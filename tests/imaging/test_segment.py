@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from imaging import Photo, Unmeasurable, segment
+from imaging.background import Ground, bands
 from imaging.helix_synthetic import draw_helix
 from imaging.palette import find_colours
+from imaging.segment import _without_dirt
 from imaging.synthetic import Look, Picture, render
 
 SHAPE = (240, 320)
@@ -152,3 +154,23 @@ def test_scattered_colours_are_no_colour():
     scattered = np.random.default_rng(0).uniform(-300, 300, (400, 3))
     centres, colours = find_colours(scattered, scattered, 10)
     assert centres.shape == colours.shape == (0, 3)
+
+
+def test_specks_are_dropped_wherever_they_lie():
+    """Against connected components: in the loop of a strand, in another speck, at a border."""
+    mask = np.zeros((120, 90), np.uint8)
+    cv2.circle(mask, (45, 60), 35, 1, 4)
+    cv2.circle(mask, (45, 60), 6, 1, 2)
+    mask[59:62, 44:47] = mask[0, 0] = mask[119, 80:] = mask[10:12, 10:12] = 1
+    _, blobs, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    long = np.hypot(*stats[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].T) > 5 * 4.0
+    long[0] = False
+    np.testing.assert_array_equal(_without_dirt(mask.view(bool), 4.0), long[blobs])
+    assert long.sum() == 1
+
+
+def test_the_ground_in_bands_is_the_ground_interpolated_at_once():
+    coarse = np.random.default_rng(5).random((17, 40, 3), np.float32)
+    ground = Ground(coarse, 8000)
+    found = np.concatenate([ground.rows(band) for band in bands((8000, 40))])
+    np.testing.assert_allclose(found, cv2.resize(coarse, (40, 8000)), atol=1e-6)
