@@ -34,6 +34,11 @@ def notes_on(photo: Photo, segmentation: Segmentation, strands: Sequence[Strand]
             f"blurred: edges are soft over {RISE * blur:.1f} px (strands {segmentation.width:.1f} "
             "px wide); crossings may be missed and widths are off: focus, or hold still"
         )
+    if segmentation.ruling is not None:
+        notes.append(
+            "lines of a grid printed on the ground were left out; strands of their colour may be "
+            "interrupted there: use plain ground"
+        )
     notes += _ends(photo, segmentation, strands)
     return [note for note in notes if note]
 

@@ -27,6 +27,7 @@ from imaging.errors import Unmeasurable
 from imaging.gloss import without_highlights
 from imaging.palette import colour_features, find_colours, unmixed, vote
 from imaging.photo import Photo
+from imaging.ruling import erase_ruling
 
 EDGE = 0.5  # fraction of the strand's contrast that marks its edge
 NOISE_FACTOR = 4.0  # times the background's median contrast after a 3 x 3 mean; above is strand
@@ -64,6 +65,8 @@ class Segmentation:
         What stands out but is too wide to be a strand: a clamp, a card, a thick tine.
     coverage : (h, w) float32 array, optional
         How much of the pixel is covered by any strand: the sum of `membership`.
+    ruling : (h, w) bool array, optional
+        Lines printed on the ground that were taken for ground.
     """
 
     labels: np.ndarray
@@ -73,6 +76,7 @@ class Segmentation:
     contrast: np.ndarray | None = None
     blocks: np.ndarray | None = None
     coverage: np.ndarray | None = None
+    ruling: np.ndarray | None = None
 
 
 def segment(photo: Photo) -> Segmentation:
@@ -93,13 +97,15 @@ def segment(photo: Photo) -> Segmentation:
     """
     lab = photo.lab()
     ground = ground_of(lab, photo.ignore)
-    coverage, width = _coverage(photo.source, contrast_of(lab, ground), photo.ignore)
+    contrast = contrast_of(lab, ground)
+    ruling = erase_ruling(lab, contrast, ground)
+    coverage, width = _coverage(photo.source, contrast, photo.ignore)
     labels, colours, width, blocks = _labelled(lab, ground, coverage, width)
     if len(colours) == 0:
         raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
     membership = _shared_out(coverage, labels, len(colours))
     contrast = in_even_light(lab, ground)
-    return Segmentation(labels, membership, colours, width, contrast, blocks, coverage)
+    return Segmentation(labels, membership, colours, width, contrast, blocks, coverage, ruling)
 
 
 def _labelled(

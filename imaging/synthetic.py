@@ -23,7 +23,7 @@ class Look:
 
     Attributes
     ----------
-    background : (3,) floats
+    background : (3,) floats or (h, w, 3) array
         sRGB in [0, 1].
     light : (3,) floats
         Direction towards the lamp, x right, y down, z towards the camera.
@@ -37,7 +37,7 @@ class Look:
         Relative fall-off of the light from one corner to the opposite one.
     """
 
-    background: tuple[float, float, float] = (0.9, 0.9, 0.88)
+    background: tuple[float, float, float] | np.ndarray = (0.9, 0.9, 0.88)
     light: tuple[float, float, float] = (-0.4, -0.3, 0.85)
     ambient: float = 0.45
     highlight: float = 0.15
@@ -97,7 +97,8 @@ def render(
     top = np.full(big, -np.inf, np.float32)
     owner = np.zeros(big, np.int32)
     light = np.empty((*big, 3), np.float32)
-    light[:] = _to_linear(np.asarray(look.background, float))
+    ground = _to_linear(np.asarray(look.background, float))
+    light[:] = ground if ground.ndim == 1 else cv2.resize(ground, big[::-1])
     for number, (line, height) in enumerate(zip(strands, heights, strict=True)):
         albedo = np.broadcast_to(_to_linear(np.asarray(colours[number], float)), (len(line), 3))
         for piece in _chunks(line, height, albedo):
