@@ -64,9 +64,9 @@ def _borders(labels: np.ndarray, count: int) -> np.ndarray:
         border = here != there
         pair = here[border].astype(int) * (count + 1) + there[border]
         met += np.bincount(pair, minlength=len(met))
-    met = met.reshape(count + 1, count + 1)
-    met = (met + met.T)[1:]
-    return met[:, 1:] / np.maximum(met.sum(axis=1, keepdims=True), 1)
+    square = met.reshape(count + 1, count + 1)
+    around = (square + square.T)[1:]
+    return around[:, 1:] / np.maximum(around.sum(axis=1, keepdims=True), 1)
 
 
 def _lies_on(labels: np.ndarray, shine: int, body: int, width: float) -> bool:

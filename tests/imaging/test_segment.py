@@ -160,7 +160,7 @@ def test_specks_are_dropped_wherever_they_lie():
     """Against connected components: in the loop of a strand, in another speck, at a border."""
     mask = np.zeros((120, 90), np.uint8)
     cv2.circle(mask, (45, 60), 35, 1, 4)
-    cv2.circle(mask, (45, 60), 6, 1, 2)
+    cv2.circle(mask, (45, 60), 5, 1, 1)
     mask[59:62, 44:47] = mask[0, 0] = mask[119, 80:] = mask[10:12, 10:12] = 1
     _, blobs, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     long = np.hypot(*stats[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].T) > 5 * 4.0
