@@ -154,12 +154,12 @@ def ends_of(paths: list[np.ndarray], width: float) -> list[End]:
     for number, path in enumerate(paths):
         for last in (False, True):
             outwards = path if last else path[::-1]
-            point, direction = _end_fit(outwards[-max(3, int(REACH * width)) :])
+            point, direction = end_fit(outwards[-max(3, int(REACH * width)) :])
             found.append(End(number, last, point, direction))
     return found
 
 
-def _end_fit(tail: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def end_fit(tail: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Last point and direction there, from a parabola (a line when short) through the tail."""
     u = np.linspace(-1, 0, len(tail))
     powers = np.vander(u, 3 if len(tail) > 12 else 2, increasing=True)

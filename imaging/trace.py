@@ -32,6 +32,7 @@ from imaging.doubled import broad_parts, drawn, hold_apart, is_in, keep_sides, s
 from imaging.matching import Gain, bridge, chains, doubtful, join, refund, within_colour
 from imaging.photo import Photo
 from imaging.segment import Segmentation
+from imaging.tips import led_on
 from imaging.two_tone import beneath, head_on, own_membership
 
 ROUNDS = 2  # of placing strands by what the others leave unexplained
@@ -86,6 +87,9 @@ class Strand:
         return _main(self.tones)
 
 
+Draft = tuple[Strand, Sections]  # a strand, and its cross-sections
+
+
 def _main(tones: np.ndarray) -> int:
     return int(np.bincount(tones).argmax())
 
@@ -113,10 +117,34 @@ def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand
         for chain in _chained(segmentation, covered, coverage)
     ]
     drafts = [draft for draft in drafts if _is_whole(draft[0], segmentation, coverage)]
+    drafts = _with_tips(drafts, segmentation, covered, coverage)
     strands = [strand for strand, _ in drafts]
     if segmentation.contrast is None:
         return strands
     return _settled(strands, [sections for _, sections in drafts], segmentation, coverage)
+
+
+def _with_tips(
+    drafts: list[Draft], segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarray
+) -> list[Draft]:
+    """Lead strands that disappear under others on to where they show again."""
+    found = list(drafts)
+    for colour in range(len(segmentation.colours)):
+        own = {n: strand for n, (strand, _) in enumerate(found) if colour in strand.tones}
+        hidden = [
+            (n, last)
+            for n, strand in own.items()
+            for last in (False, True)
+            if strand.ends[last] == "hidden" and strand.tones[-last] == colour
+        ]
+        if not hidden:
+            continue
+        lines = {n: strand.line for n, strand in own.items()}
+        seen = segmentation.labels == colour + 1
+        for n, line in led_on(lines, hidden, seen, covered, segmentation.width).items():
+            tones = _nearest_tones(line, own[n].line, own[n].tones)
+            found[n] = _strand(Chain(line, tones, own[n].doubts), segmentation, coverage)
+    return found
 
 
 def _settled(
@@ -275,9 +303,7 @@ def _long_enough(chained: list[Chain], width: float) -> list[Chain]:
     ]
 
 
-def _strand(
-    chain: Chain, segmentation: Segmentation, coverage: np.ndarray
-) -> tuple[Strand, Sections]:
+def _strand(chain: Chain, segmentation: Segmentation, coverage: np.ndarray) -> Draft:
     """Strand along a chain, and its cross-sections."""
     width, labels = segmentation.width, segmentation.labels
     line, tones, doubts = chain
