@@ -42,19 +42,34 @@ def broad_parts(mask: np.ndarray, width: float) -> np.ndarray:
     (h, w) bool array
     """
     broad = np.zeros_like(mask)
-    x, y, w, h = cv2.boundingRect(mask.astype(np.uint8))
-    box = np.s_[y : y + h, x : x + w]
-    depth = cv2.distanceTransform(np.pad(mask[box], 1).astype(np.uint8), cv2.DIST_L2, 5)
-    core = depth[1:-1, 1:-1] > 0.5 * (BROAD * width + 1)  # depths count from pixel centres
-    if not core.any():
+    deep = 0.5 * (BROAD * width + 1)  # depths count from pixel centres
+    x, y, w, h = cv2.boundingRect(mask.view(np.uint8))
+    seen, found = mask[y : y + h, x : x + w].view(np.uint8), broad[y : y + h, x : x + w]
+    may = cv2.erode(seen, _ring(deep), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    if not may.any():
         return broad
-    _, number, stats, _ = cv2.connectedComponentsWithStats(core.astype(np.uint8))
+    x, y, w, h = cv2.boundingRect(may)
+    rim = int(np.ceil(width)) + 2
+    near = np.s_[max(y - rim, 0) : y + h + rim, max(x - rim, 0) : x + w + rim]
+    depth = cv2.distanceTransform(np.pad(seen[near], 1), cv2.DIST_L2, 5)
+    core = (depth[1:-1, 1:-1] > deep) & (may[near] > 0)
+    _, number, stats, _ = cv2.connectedComponentsWithStats(core.view(np.uint8))
     extent = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
     core &= (extent > SIDE_BY_SIDE * width)[number]
     if core.any():
-        away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
-        broad[box] = away < 0.75 * width
+        away = cv2.distanceTransform((~core).view(np.uint8), cv2.DIST_L2, 5)
+        found[near] = away < 0.75 * width
     return broad
+
+
+def _ring(radius: float) -> np.ndarray:
+    """Eight pixels at most `radius` from the middle: all are seen wherever that is the depth."""
+    straight, slanting = int(radius), int(0.7 * radius)
+    ring = np.zeros((2 * straight + 1, 2 * straight + 1), np.uint8)
+    ring[[0, straight, straight, -1], [straight, 0, -1, straight]] = 1
+    corners = straight + np.array([-slanting, slanting])
+    ring[np.ix_(corners, corners)] = 1
+    return ring
 
 
 def is_in(path: np.ndarray, mask: np.ndarray) -> bool:

@@ -298,7 +298,9 @@ def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:
     """Drop blobs too short to be a strand (uint8 mask)."""
     long = mask.astype(np.uint8)
     outlines, nested = cv2.findContours(long, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
-    for outline, (_, _, _, within) in zip(outlines, nested[0], strict=True):
+    for outline, (_, _, _, within) in zip(
+        outlines, () if nested is None else nested[0], strict=True
+    ):
         if within < 0 and math.hypot(*cv2.boundingRect(outline)[2:]) <= MIN_LENGTH * width:
             cv2.drawContours(long, [outline], 0, 0, cv2.FILLED)
     return long

@@ -1,12 +1,13 @@
 """Strands of one colour that cross, and what is said where they could have gone on otherwise."""
 
+import cv2
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from imaging import Photo, segment, trace
 from imaging.branches import ends_of
-from imaging.doubled import stems
+from imaging.doubled import BROAD, SIDE_BY_SIDE, broad_parts, stems
 from imaging.doubts import doubt_notes
 from imaging.matching import doubtful
 from imaging.synthetic import render
@@ -101,3 +102,26 @@ def test_strands_that_run_on_each_other_are_guesses_and_clean_crossings_are_not(
     assert "2 at" in note
     across = traced([straight(-30), straight(40)])
     assert doubt_notes(across) == []
+
+
+@pytest.mark.parametrize("apart", [0, 6, 11])
+@pytest.mark.parametrize("angle", [0, 20, 45, 90])
+def test_broad_parts_are_where_the_whole_masks_depth_says(angle, apart):
+    width, mask = 10.0, np.zeros((200, 240), np.uint8)
+    rotation = cv2.getRotationMatrix2D((120, 100), angle, 1)
+    for aside in (-apart / 2, apart / 2):
+        ends = np.array([[[20, 100 + aside], [190, 100 + aside]]])
+        first, last = np.rint(cv2.transform(ends, rotation)[0]).astype(int).tolist()
+        cv2.line(mask, first, last, 1, 10)
+    cv2.line(mask, (120, 0), (120, 199), 1, 10)
+    depth = cv2.distanceTransform(np.pad(mask, 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
+    core = depth > 0.5 * (BROAD * width + 1)
+    _, number, stats, _ = cv2.connectedComponentsWithStats(core.view(np.uint8))
+    long = np.hypot(*stats[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].T) > SIDE_BY_SIDE * width
+    core &= long[number]
+    away = cv2.distanceTransform((~core).view(np.uint8), cv2.DIST_L2, 5)
+    near = (away < 0.75 * width) & core.any()
+    x, y, w, h = cv2.boundingRect(mask)
+    truth = np.zeros_like(near)
+    truth[y : y + h, x : x + w] = near[y : y + h, x : x + w]
+    np.testing.assert_array_equal(broad_parts(mask.view(bool), width), truth)
