@@ -138,10 +138,11 @@ def with_label(_: np.random.Generator) -> np.ndarray:
     """Grey ground with a white paper label, written on."""
     ground = plain((0.5, 0.5, 0.48))
     ground[820:960, 20:240] = 0.95
+    written = np.zeros(SHAPE, np.uint8)
     for row, text in enumerate(("curl 12", "no. 3, dry")):
         place = (35, 870 + 50 * row)
-        cv2.putText(ground, text, place, cv2.FONT_HERSHEY_SIMPLEX, 1, (0.1,) * 3, 2, cv2.LINE_AA)
-    return ground
+        cv2.putText(written, text, place, cv2.FONT_HERSHEY_SIMPLEX, 1, 255, 2, cv2.LINE_AA)
+    return ground * (1 - 0.9 * written[..., None] / 255)
 
 
 def jpeg(pixels: np.ndarray, quality: int) -> np.ndarray:

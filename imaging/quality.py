@@ -39,6 +39,11 @@ def notes_on(photo: Photo, segmentation: Segmentation, strands: Sequence[Strand]
             "lines of a grid printed on the ground were left out; strands of their colour may be "
             "interrupted there: use plain ground"
         )
+    if segmentation.shadow is not None:
+        notes.append(
+            "shadows on the ground (its own hue in less light, with soft edges) were left out; a "
+            "grey strand out of focus would be too: light from all sides"
+        )
     notes += _ends(photo, segmentation, strands)
     return [note for note in notes if note]
 

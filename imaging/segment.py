@@ -28,6 +28,7 @@ from imaging.gloss import without_highlights
 from imaging.palette import colour_features, find_colours, unmixed, vote
 from imaging.photo import Photo
 from imaging.ruling import erase_ruling
+from imaging.shadow import erase_shadows
 
 EDGE = 0.5  # fraction of the strand's contrast that marks its edge
 NOISE_FACTOR = 4.0  # times the background's median contrast after a 3 x 3 mean; above is strand
@@ -67,6 +68,8 @@ class Segmentation:
         How much of the pixel is covered by any strand: the sum of `membership`.
     ruling : (h, w) bool array, optional
         Lines printed on the ground that were taken for ground.
+    shadow : (h, w) bool array, optional
+        What was taken for shadow on the ground.
     """
 
     labels: np.ndarray
@@ -77,6 +80,7 @@ class Segmentation:
     blocks: np.ndarray | None = None
     coverage: np.ndarray | None = None
     ruling: np.ndarray | None = None
+    shadow: np.ndarray | None = None
 
 
 def segment(photo: Photo) -> Segmentation:
@@ -101,11 +105,17 @@ def segment(photo: Photo) -> Segmentation:
     ruling = erase_ruling(lab, contrast, ground)
     coverage, width = _coverage(photo.source, contrast, photo.ignore)
     labels, colours, width, blocks = _labelled(lab, ground, coverage, width)
+    shadow = erase_shadows(labels, colours, lab, contrast, ground, width)
+    if shadow is not None:
+        width = _strip_width(_depth(labels)[labels > 0])
+        labels, colours = _with_enough(labels, colours, width)
     if len(colours) == 0:
         raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
     membership = _shared_out(coverage, labels, len(colours))
     contrast = in_even_light(lab, ground)
-    return Segmentation(labels, membership, colours, width, contrast, blocks, coverage, ruling)
+    return Segmentation(
+        labels, membership, colours, width, contrast, blocks, coverage, ruling, shadow
+    )
 
 
 def _labelled(
