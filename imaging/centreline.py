@@ -1,6 +1,6 @@
 """Sub-pixel centrelines: midpoints of the two half-contrast edges, smoothed along the strand."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import cv2
@@ -8,6 +8,8 @@ import numpy as np
 from scipy import ndimage
 from scipy.interpolate import CubicSpline
 from scipy.linalg import solveh_banded
+
+from imaging.bundle import Bundle, bundled, normals_of, resampled
 
 ROWS = 10  # cross-sections in each strand width of length, at most one a pixel
 AROUND = 20.0  # strand widths over which a strand's width is averaged
@@ -197,11 +199,12 @@ def refine(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) 
     Where one edge is hidden the other is used with the strand's local width; where both are
     hidden the smoothing spline bridges with least bending.
     """
-    smooth = _even(line, width)
+    smooth = _even(bundled([line]), width)
     for _ in range(2):  # again on the moved line, whose normals are better
-        found = _seen(resample(smooth, _step(width)), own, strand, width)
-        smooth = _weighed(found.middle, found.sd, width)
-    return found._replace(line=smooth)
+        even = resampled(smooth, _step(width))
+        found = _seen(even, own, strand, width)
+        smooth = even._replace(points=_weighed(found.middle, found.sd, width))
+    return found._replace(line=smooth.points)
 
 
 def settle(
@@ -227,12 +230,17 @@ def settle(
     return Sections(_weighed(middle, sd, width), middle, sd, found.width, seen)
 
 
-def centred(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> np.ndarray:
-    """Points (m, 2) of `refine`'s first round, where nothing else is asked."""
-    step = _step(width)
-    found = _seen(resample(_even(line, width), step), own, strand, width)
-    smooth = _weighed(found.middle, found.sd, width)
-    return smooth if step == 1 else _between(smooth)[0]
+def centred(
+    lines: Sequence[np.ndarray], own: np.ndarray, strand: np.ndarray, width: float
+) -> list[np.ndarray]:
+    """Points (m, 2) of `refine`'s first round, of several lines of one colour."""
+    if not lines:
+        return []
+    even = resampled(_even(bundled(lines), width), _step(width))
+    found = _seen(even, own, strand, width)
+    smooth = even._replace(points=_weighed(found.middle, found.sd, width, even.sizes))
+    parts = smooth.parted(smooth.points)
+    return parts if _step(width) == 1 else [_between(part)[0] for part in parts]
 
 
 def _step(width: float) -> float:
@@ -240,30 +248,34 @@ def _step(width: float) -> float:
     return max(1.0, width / ROWS)
 
 
-def _even(line: np.ndarray, width: float) -> np.ndarray:
-    """Smooth points at equal distances along a rough line."""
-    even = resample(line, _step(width))
-    return _smoothed(even, np.ones(len(even)), width / _step(width))
+def _even(lines: Bundle, width: float) -> Bundle:
+    """Smooth points at equal distances along rough lines."""
+    points, count = resampled(lines, _step(width))
+    return Bundle(_smoothed(points, np.ones(len(points)), width / _step(width), count), count)
 
 
-def _seen(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> Sections:
-    """Find what is seen of a strand in the cross-sections of a line."""
-    normal = normals(line)
-    low, high = edges(line, own, strand, width, normal)
-    local = _local_width(low, high, width, int(AROUND * width / _step(width)))
+def _seen(lines: Bundle, own: np.ndarray, strand: np.ndarray, width: float) -> Sections:
+    """Find what is seen of strands of one colour in the cross-sections of lines."""
+    normal = normals_of(lines)
+    low, high = edges(lines.points, own, strand, width, normal)
+    around = int(AROUND * width / _step(width))
+    spans = lines.parted(high - low)
+    local = np.concatenate([_local_width(span, width, around) for span in spans])
     offset, sd = _offsets(low, high, local)
-    middle = line + offset[:, None] * normal
-    return Sections(line, middle, sd, local, _edges_seen(low, high, sd))
+    middle = lines.points + offset[:, None] * normal
+    return Sections(lines.points, middle, sd, local, _edges_seen(low, high, sd))
 
 
 def _edges_seen(low: np.ndarray, high: np.ndarray, sd: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(sd), np.isfinite(low).astype(int) + np.isfinite(high), 0)
 
 
-def _weighed(points: np.ndarray, sd: np.ndarray, width: float) -> np.ndarray:
+def _weighed(
+    points: np.ndarray, sd: np.ndarray, width: float, count: np.ndarray | None = None
+) -> np.ndarray:
     """Smooth points of these relative sds; NaN counts for nothing."""
     weight = np.where(np.isfinite(sd), 1 / np.square(sd), 0)
-    return _smoothed(points, weight, width / _step(width))
+    return _smoothed(points, weight, width / _step(width), count)
 
 
 def dense(found: Sections, width: float) -> Centreline:
@@ -284,9 +296,8 @@ def _between(line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return CubicSpline(s, line)(fine), np.interp(fine, s, np.arange(len(s)))
 
 
-def _local_width(low: np.ndarray, high: np.ndarray, width: float, around: int) -> np.ndarray:
+def _local_width(span: np.ndarray, width: float, around: int) -> np.ndarray:
     """Return the running mean of the width where both edges show, filled in elsewhere."""
-    span = high - low
     known = np.isfinite(span) & (span < 1.6 * width)
     if known.sum() < 5:
         return np.full(len(span), width)
@@ -308,25 +319,31 @@ def _offsets(low: np.ndarray, high: np.ndarray, local: np.ndarray) -> tuple[np.n
     return np.where(np.isfinite(sd), middle, 0), sd
 
 
-def _smoothed(points: np.ndarray, weight: np.ndarray, width: float) -> np.ndarray:
+def _smoothed(
+    points: np.ndarray, weight: np.ndarray, width: float, count: np.ndarray | None = None
+) -> np.ndarray:
     """Smooth evenly spaced points; half power at a wave of SHORTEST_WAVE widths [points].
 
     Minimises sum w |p - z|^2 + lam sum |second difference of z|^2 (Whittaker 1923), the discrete
-    smoothing spline: where nothing is seen (w = 0) it bridges with least bending.
+    smoothing spline: where nothing is seen (w = 0) it bridges with least bending. `count` points
+    each are lines of their own, and those of which too little is known stay as they are.
     """
-    n = len(points)
-    if n < 8 or (weight > 0).sum() < 5:
-        return points
+    count = np.array([len(points)]) if count is None else count
+    last = np.cumsum(count) - 1
+    known = np.add.reduceat(weight > 0, last + 1 - count, dtype=int)
     # The penalty halves waves of angular frequency lam**-0.25 per sample.
     lam = (SHORTEST_WAVE * width / (2 * np.pi)) ** 4
+    stiff = np.repeat(np.where((count >= 8) & (known >= 5), lam, 0), count)
+    stiff[last] = stiff[last - 1] = 0  # no second difference starts there
+    stiff = stiff[:-2]
     w = np.maximum(weight, 1e-9)
-    band = np.zeros((3, n))
+    band = np.zeros((3, len(points)))
     band[2] = w
     for shift, coefficient in enumerate([1.0, -2.0, 1.0]):
-        band[2, shift : n - 2 + shift] += lam * coefficient**2
-    band[1, 1:-1] += -2 * lam
-    band[1, 2:] += -2 * lam
-    band[0, 2:] += lam
+        band[2, shift : len(stiff) + shift] += stiff * coefficient**2
+    band[1, 1:-1] += -2 * stiff
+    band[1, 2:] += -2 * stiff
+    band[0, 2:] += stiff
     return solveh_banded(band, w[:, None] * points)
 
 

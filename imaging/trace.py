@@ -237,13 +237,13 @@ def _choices(
 
 def _pieces(segmentation: Segmentation, coverage: np.ndarray) -> list[tuple[np.ndarray, int]]:
     """Pieces of the centrelines of all colours, each with its colour, in the colours' order."""
-    width = segmentation.width
-    return [
-        (_centred(path, own, coverage, width), colour)
-        for colour, own in enumerate(segmentation.membership)
-        for whole in branches(segmentation.labels == colour + 1, width)
-        for path in without_corners(whole, width)
-    ]
+    pieces = []
+    for colour, own in enumerate(segmentation.membership):
+        whole = branches(segmentation.labels == colour + 1, segmentation.width)
+        paths = [part for path in whole for part in without_corners(path, segmentation.width)]
+        centred_paths = _centred(paths, own, coverage, segmentation.width)
+        pieces += [(path, colour) for path in centred_paths]
+    return pieces
 
 
 def _is_whole(strand: Strand, segmentation: Segmentation, coverage: np.ndarray) -> bool:
@@ -256,11 +256,13 @@ def _is_whole(strand: Strand, segmentation: Segmentation, coverage: np.ndarray) 
     return bool(whole.sum() > max(WHOLE * width, SEEN * len(whole)))
 
 
-def _centred(path: np.ndarray, own: np.ndarray, coverage: np.ndarray, width: float) -> np.ndarray:
-    """Skeleton -> middle of the strand; a skeleton leans away from whatever hides a side."""
-    if len(path) <= 1.5 * width:
-        return path
-    return centred(path, own, coverage, width)
+def _centred(
+    paths: list[np.ndarray], own: np.ndarray, coverage: np.ndarray, width: float
+) -> list[np.ndarray]:
+    """Skeletons -> middles of strands; a skeleton leans away from whatever hides a side."""
+    long = [i for i, path in enumerate(paths) if len(path) > 1.5 * width]
+    found = dict(zip(long, centred([paths[i] for i in long], own, coverage, width), strict=True))
+    return [found.get(i, path) for i, path in enumerate(paths)]
 
 
 def _connected(
