@@ -29,27 +29,31 @@ class Ground(NamedTuple):
     def rows(self, band: slice) -> np.ndarray:
         """Colours (m, w, 3) in a band of rows, between coarse ones by hat functions."""
         flat = self.coarse.reshape(len(self.coarse), -1)
-        last = len(flat) - 1
-        row = np.arange(band.start, band.stop) + 0.5
-        at = (row * len(flat) / self.height - 0.5).clip(0, last)
-        near = at.astype(int).clip(0, max(last - 1, 0))
-        hat = np.maximum(1 - np.abs(at[:, None] - near[:, None] - [0, 1]), 0).astype(np.float32)
-        found = np.empty((len(row), flat.shape[1]), np.float32)
-        starts = np.flatnonzero(np.diff(near, prepend=-1)).tolist()
-        for start, stop in pairwise([*starts, len(row)]):  # rows between the same two coarse ones
-            between = flat[near[start] : near[start] + 2]
-            np.matmul(hat[start:stop], between, out=found[start:stop])
-        return found.reshape(len(row), -1, 3)
+        above, share = self._between(np.arange(band.start, band.stop))
+        hat = np.stack([1 - share, share], axis=1)
+        found = np.empty((len(hat), flat.shape[1]), np.float32)
+        starts = np.flatnonzero(np.diff(above, prepend=-1)).tolist()
+        for start, stop in pairwise([*starts, len(hat)]):  # rows between the same two coarse ones
+            pair = flat[above[start] : above[start] + 2]
+            np.matmul(hat[start:stop], pair, out=found[start:stop])
+        return found.reshape(len(hat), -1, 3)
 
     def at(self, places: np.ndarray) -> np.ndarray:
-        """Colours (n, 3) at ascending places in the flattened picture."""
+        """Colours (n, 3) at places in the flattened picture."""
         across = self.coarse.shape[1]
-        found = np.empty((len(places), 3), np.float32)
-        for band in bands((self.height, across)):
-            start, stop = np.searchsorted(places, [band.start * across, band.stop * across])
-            inside = places[start:stop] - band.start * across
-            np.take(self.rows(band).reshape(-1, 3), inside, axis=0, out=found[start:stop])
-        return found
+        row, column = np.divmod(places, across)
+        above, share = (of_rows[row] for of_rows in self._between(np.arange(self.height)))
+        flat = self.coarse.reshape(-1, 3)
+        first = above * across + column
+        upper, lower = flat.take(first, axis=0), flat.take(first + across, axis=0)
+        return upper + share[:, None] * (lower - upper)
+
+    def _between(self, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Find the coarse row above each row (n,), and the share of the one below it (n,)."""
+        last = len(self.coarse) - 1
+        at = ((row + 0.5) * len(self.coarse) / self.height - 0.5).clip(0, last)
+        above = np.minimum(at.astype(int), last - 1)
+        return above, (at - above).astype(np.float32)
 
 
 def bands(shape: tuple[int, ...]) -> Iterator[slice]:

@@ -174,3 +174,5 @@ def test_the_ground_in_bands_is_the_ground_interpolated_at_once():
     ground = Ground(coarse, 8000)
     found = np.concatenate([ground.rows(band) for band in bands((8000, 40))])
     np.testing.assert_allclose(found, cv2.resize(coarse, (40, 8000)), atol=1e-6)
+    places = np.array([0, 3, 4321, 160_000, 319_999])
+    np.testing.assert_allclose(ground.at(places), found.reshape(-1, 3)[places], atol=1e-6)
