@@ -8,12 +8,13 @@ from scipy.ndimage import map_coordinates
 
 from imaging.centreline import normals
 from imaging.photo import Photo
-from imaging.segment import Segmentation
+from imaging.segment import NOISE_FACTOR, Segmentation
 from imaging.trace import Strand
 
 THIN = 4.0  # px; narrower strands have no inside
 SOFT = 0.26  # of the width, sd of the blur; a strand that is nothing but blur has 0.28
 REACH, STEP = 1.5, 0.15  # strand widths from the middle outwards, along which edges are looked at
+ROUGH = 3.6  # Lab units; ground that varies more hides strands of fifteen units' contrast
 BURNT = 0.995  # of full scale in every channel
 NEAR = 2.0  # strand widths between a strand's end and the glare that cuts it
 DARK = 0.2  # of full scale; a photograph with nothing brighter is underexposed
@@ -34,6 +35,12 @@ def notes_on(photo: Photo, segmentation: Segmentation, strands: Sequence[Strand]
             f"blurred: edges are soft over {RISE * blur:.1f} px (strands {segmentation.width:.1f} "
             "px wide); crossings may be missed and widths are off: focus, or hold still"
         )
+    if (level := grain(segmentation)) > ROUGH:
+        notes.append(
+            f"the ground varies by {level:.0f} Lab units, by texture or noise; strands that differ "
+            f"from it by less than {NOISE_FACTOR * level:.0f} are lost, and its marks may be taken "
+            "for strands: use plain ground, more light"
+        )
     if segmentation.ruling is not None:
         notes.append(
             "lines of a grid printed on the ground were left out; strands of their colour may be "
@@ -46,6 +53,16 @@ def notes_on(photo: Photo, segmentation: Segmentation, strands: Sequence[Strand]
         )
     notes += _ends(photo, segmentation, strands)
     return [note for note in notes if note]
+
+
+def grain(segmentation: Segmentation) -> float:
+    """Median distance of the picture's colours from the ground's [Lab units]; 0 = unknown.
+
+    Half of a picture is ground, so that this is what texture and noise make of it.
+    """
+    if segmentation.contrast is None:
+        return 0.0
+    return float(np.median(np.linalg.norm(segmentation.contrast[::13, ::11], axis=-1)))
 
 
 def exposure(photo: Photo) -> str:

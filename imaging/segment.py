@@ -32,6 +32,9 @@ from imaging.shadow import erase_shadows
 
 EDGE = 0.5  # fraction of the strand's contrast that marks its edge
 NOISE_FACTOR = 4.0  # times the background's median contrast after a 3 x 3 mean; above is strand
+GRAINY = 9.0  # Lab units from the ground, of half the picture; more is smoothed first
+GRAIN = 1.0  # px, sd of that
+RASTER = 20.0  # Lab units; no sensor's noise, but dots of black and white
 MIN_CONTRAST = 6.0  # Lab units; about three just-noticeable differences
 FAINT = 0.25  # of the strands' contrast; fainter is shadow, reflection or texture
 BORDER = 0.5  # change of (L, a, b)/(L + 16), summed, that tells two strands from shading
@@ -103,6 +106,9 @@ def segment(photo: Photo) -> Segmentation:
     ground = ground_of(lab, photo.ignore)
     contrast = contrast_of(lab, ground)
     ruling = erase_ruling(lab, contrast, ground)
+    if GRAINY < float(np.median(contrast[::13, ::11])) < RASTER:
+        lab = cv2.GaussianBlur(lab, (0, 0), GRAIN)  # before the modulus, which adds noise up
+        contrast = contrast_of(lab, ground)
     coverage, width = _coverage(photo.source, contrast, photo.ignore)
     labels, colours, width, blocks = _labelled(lab, ground, coverage, width)
     shadow = erase_shadows(labels, colours, lab, contrast, ground, width)

@@ -32,6 +32,7 @@ LADDER = {
     "mirror-like highlights": (Look(highlight=1.0), BRIGHT, None, 0.2),
     "blur of 1.5 px": (Look(blur=1.5), BRIGHT, None, 0.3),
     "noise of 5 %": (Look(noise=0.05), BRIGHT, None, 0.2),
+    "noise of 8 %": (Look(noise=0.08), BRIGHT, None, 0.3),
     "colour cast": (Look(), BRIGHT, lamp, 0.2),
 }
 
