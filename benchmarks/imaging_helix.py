@@ -136,8 +136,11 @@ def kinked(r: float, bend: float, sign: int) -> SyntheticHelix:
     return draw_helix(r, lambda s: sign / pitch, 10 * pitch, heading=heading, phase=0.5, rng=3)
 
 
-def splayed(r: float) -> SyntheticHelix:
-    """Strands that part over the last pitch and a half, to four radii at their tips."""
+def splayed(r: float, phase: float = np.pi) -> SyntheticHelix:
+    """Strands that part over the last pitch and a half, to four radii at their tips.
+
+    They part in the picture where the phase at the root is pi, out of it where it is pi/2.
+    """
     pitch, length = PITCH * r, 8 * PITCH * r
 
     def apart(s: np.ndarray) -> np.ndarray:
@@ -145,7 +148,7 @@ def splayed(r: float) -> SyntheticHelix:
 
     return draw_helix(
         r, lambda s: np.where(apart(s) > 0, 0.0, 1 / pitch), length,
-        helix_radius=lambda s: r * (1 + 3 * apart(s) ** 2), phase=np.pi, rng=6,
+        helix_radius=lambda s: r * (1 + 3 * apart(s) ** 2), phase=phase, rng=6,
     )  # fmt: skip
 
 
@@ -157,6 +160,13 @@ def ends_and_tines() -> None:
     error = percent_rms(window_errors(table, PITCH * r))
     report("tips splayed over 1.5 pitches: lambda per window, RMS", "", f"{error:.3f} %")
     report("   link above them", "", f"{total_link_error(table, found):+.4f} turn")
+    ways = [splayed(r, phase) for r in (4, 8) for phase in np.pi / 8 * np.arange(8)]
+    links = []
+    for drawn in ways:
+        found = helix(Photo(drawn.pixels))
+        links.append(abs(total_link_error(beside_truth(found, drawn), found)))
+    reached = f"{np.median(links):.4f}, {max(links):.3f} turn"
+    report("   the same in 8 directions, r = 4, 8: median, worst", "", reached)
     for name, wide in (("a third of", 1 / 6), ("0.8 of", 0.4)):
         drawn = draw_helix(
             r, lambda s: 1 / (PITCH * r), 8 * PITCH * r, tine=(4 * PITCH * r, wide * PITCH * r),

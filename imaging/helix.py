@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from imaging.errors import Unmeasurable
 from imaging.helix_axis import Axis, closed, find_axis, sample, smoothed
-from imaging.helix_colours import split_colours
+from imaging.helix_colours import split_colours, with_dim_strands
 from imaging.helix_count import (
     HalfTurns,
     Look,
@@ -84,6 +84,24 @@ def helix(
         When there are not two strands, they do not twist, or they are too thin.
     """
     photo, segmentation = _segmented(picture)
+    try:
+        return _measured(photo, segmentation, colours, scale, root, tine)
+    except Unmeasurable:
+        whole = with_dim_strands(segmentation)
+        if photo is None or whole is segmentation:
+            raise
+    return _measured(photo, split_colours(photo, whole), colours, scale, root, tine)
+
+
+def _measured(
+    photo: Photo | None,
+    segmentation: Segmentation,
+    colours: tuple[int, int] | None,
+    scale: float | Scale | None,
+    root: str,
+    tine: tuple[float, ...] | None,
+) -> HelixMeasurement:
+    """Measure the pair that a segmentation shows."""
     pair = twisted_pair(segmentation, colours)
     membership = pair_membership(segmentation, pair, photo)
     others = _others(segmentation, pair)

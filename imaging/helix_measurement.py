@@ -10,7 +10,7 @@ from imaging.errors import Unmeasurable
 from imaging.helix_axis import Axis
 from imaging.helix_count import HalfTurns
 from imaging.helix_edges import Edges
-from imaging.helix_fit import Fit, miss, worse
+from imaging.helix_fit import TUKEY, Fit, miss, worse
 from imaging.helix_model import Model
 from imaging.helix_space import heading, in_space, link_beyond_phase, sine_of_lean
 from imaging.helix_splines import basis
@@ -21,6 +21,10 @@ STEEP = np.radians(5.0)  # a lean out of the picture that the user should hear o
 NEAR_END_ON = np.radians(45.0)  # a lean that foreshortens too much to be measured
 SHADING = 0.05  # px; by which shading moves edges alike at every crossing (measured on drawings)
 MISFIT = 0.15  # strand radii; where outer edges miss the outline by more, the phase is another
+LOST = 0.05  # strand radii beyond noise; edges that miss the outline by more are not explained
+THROUGH = (
+    0.75  # strand radii; strands whose axes lie closer to the helix' would go through each other
+)
 HIDDEN = 0.5  # pitch; a longer gap may hide a whole turn
 
 
@@ -229,15 +233,41 @@ def _stretch_sd(lean: float | Array, sd: float | Array) -> Any:
 def _resolved(t: Array, fitted: Fit, edges: Edges, valid: Mask, start: Start) -> Mask:
     """Where sections are valid, edges within an eighth of a pitch are there, and the model fits.
 
-    Not within a quarter of a pitch of an axis that leans by more than NEAR_END_ON.
+    Not within a quarter of a pitch of where it explains less than half of the edges, or of an axis
+    that leans by more than NEAR_END_ON. What is left between such places is too short to tell.
     """
-    place = np.sort(edges.s)
-    first, last = (np.searchsorted(place, t + side * start.pitch / 8) for side in (-1, 1))
+    model, reach = fitted.model, start.pitch / 8
+    place, residual = edges.s, np.abs(fitted.residual)
+    explained = residual < TUKEY * fitted.noise + LOST * start.r
     here = valid[np.minimum(np.rint(t).astype(int), len(valid) - 1)]
-    off = miss(fitted.residual, edges, t, start.pitch / 4)
-    here &= (last - first > start.pitch / 8) & (off < MISFIT * start.r)
-    steep = t[here & (np.abs(sine_of_lean(fitted.model, t)) > np.sin(NEAR_END_ON))]
-    return here & ~np.any(np.abs(t[:, None] - steep) < start.pitch / 4, axis=1)
+    here &= _count(t, place[explained], reach) > reach
+    here &= miss(fitted.residual, edges, t, 2 * reach) < MISFIT * start.r
+    here &= THROUGH * start.r < model.at(t).R
+    found = _count(t, place, reach / 2)
+    lost = (found > 0) & (_count(t, place[explained], reach / 2) < found / 2)
+    steep = here & (np.abs(sine_of_lean(model, t)) > np.sin(NEAR_END_ON))
+    here &= ~_beside(t, lost | steep, 2 * reach)
+    return _without_short(here, t, HIDDEN * start.pitch)
+
+
+def _count(t: Array, place: Array, reach: float) -> np.ndarray:
+    """Return how many of the places, which ascend, lie within ``reach`` of each t."""
+    first, last = (np.searchsorted(place, t + side * reach) for side in (-1, 1))
+    return last - first
+
+
+def _without_short(here: Mask, t: Array, length: float) -> Mask:
+    """Drop runs that are no longer than ``length``."""
+    runs = np.flatnonzero(np.diff(np.r_[0, here.astype(int), 0])).reshape(-1, 2)
+    kept = np.zeros_like(here)
+    for first, end in runs:
+        kept[first:end] = t[end - 1] - t[first] > length
+    return kept
+
+
+def _beside(t: Array, those: Mask, reach: float) -> Mask:
+    """Whether one of those places lies within ``reach``."""
+    return np.asarray(np.any(np.abs(t[:, None] - t[those]) < reach, axis=1))
 
 
 def _phase_table(

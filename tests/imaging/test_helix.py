@@ -182,17 +182,34 @@ def test_a_tine_is_found_however_thick_and_a_clamp_is_none(radius):
     assert place == pytest.approx(3.2 * PITCH, abs=R)
 
 
-def test_splayed_tips_are_not_measured_and_do_no_harm():
-    length = 6 * PITCH
-    apart = 1.5 * PITCH
+def splayed(turns, phase, apart=1.5 * PITCH):
+    """Strands that wind no more over their last pitch and a half, and part there."""
+    length = turns * PITCH
 
     def splay(s):
         return np.clip((s - (length - apart)) / apart, 0, 1)
 
-    picture = draw_helix(
+    return draw_helix(
         R, lambda s: np.where(splay(s) > 0, 0.0, 1 / PITCH), length,
-        helix_radius=lambda s: R * (1 + 3 * splay(s) ** 2), phase=np.pi, rng=6,
+        helix_radius=lambda s: R * (1 + 3 * splay(s) ** 2), phase=phase, rng=6,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("phase", [0.375 * np.pi, np.pi])
+def test_where_tips_splay_link_is_not_run_on(phase):
+    """In the picture or partly out of it: edges that the fit leaves out show where it ends."""
+    picture = splayed(4.5, phase)
+    found = helix(Photo(picture.pixels))
+    table = beside_truth(found, picture)
+    assert abs(total_link_error(table, found)) < 0.05
+    assert (table["link"] * PITCH < 1.05).all()
+    assert table["true_s"].max() > 2.5 * PITCH
+
+
+def test_splayed_tips_are_not_measured_and_do_no_harm():
+    apart = 1.5 * PITCH
+    length = 6 * PITCH
+    picture = splayed(6, np.pi, apart)
     found = helix(exact(picture))
     table = beside_truth(found, picture)
     assert table["true_s"].max() < length - 0.5 * apart
@@ -263,6 +280,18 @@ def test_before_a_dark_cloth_shading_does_not_move_the_edges():
     assert pytest.approx(r, rel=0.03) == found.r
     assert np.degrees(found.lean) == pytest.approx(4.0, abs=2.0)
     assert np.mean(np.abs(table["link"] - table["true_link"]) < 2.5 * table["sd"]) > 0.9
+
+
+def test_a_dark_strand_before_a_dark_cloth_is_found():
+    """Single pixels of the cloth scatter by as much as the green strand stands out."""
+    picture = drawn(
+        4, colours=((30, 110, 60), (220, 170, 30)), background=(50, 52, 40), noise=0.03,
+        light=Light((0.5, -0.4, 0.8), ambient=0.2), phase=1.0,
+    )  # fmt: skip
+    found = helix(Photo(picture.pixels))
+    table = beside_truth(found, picture)
+    assert abs(total_link_error(table, found)) < 0.05
+    assert rms(table["link"] / table["true_link"] - 1) < 0.03
 
 
 def test_scale_turns_pixels_into_metres():
