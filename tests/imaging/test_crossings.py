@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from imaging import Photo, crossings, segment, trace
+from imaging import Photo, Strand, crossings, segment, trace
 from imaging.synthetic import random_curl, render
 
 
@@ -52,6 +52,21 @@ def test_uneven_sampling_finds_the_same():
     straight = np.array([[0, 0.2], [30, 0.25]])
     assert abs(len(crossings([fine, straight])) - len(crossings([coarse, straight]))) <= 1
     assert len(crossings([fine, straight])) == 10
+
+
+@pytest.mark.parametrize("shift", [0.1, 0.5, 0.9])
+def test_a_touch_is_one_contact_wherever_the_points_lie(shift):
+    """Two lines overlap from x = -3.95 to 3.95, one has a point at -3.99: its next is at -2.99."""
+
+    def strand(shift, height, bend):
+        x = np.arange(-40, 40.0) + shift
+        flat = np.ones(80)
+        line = np.stack([x, height + bend * 0.01 * x**2], axis=1)
+        return Strand(line, 5 * flat, 0.6 * flat, 0 * flat, flat.astype(int), ("free", "free"))
+
+    below = strand(shift, 0.0, 1)
+    assert len(crossings([below, strand(0.01, 2 * 0.01 * 3.95**2, -1)])) == 0
+    assert len(crossings([below, strand(0.01, 2 * 0.01 * 6.95**2, -1)])) == 2
 
 
 def test_over_and_under_in_rendered_curls():
