@@ -4,8 +4,9 @@ Run from the checkout:
 
     OMP_NUM_THREADS=1 python benchmarks/imaging_light.py [--drawings N] [--only TEXT] [--sheet FILE]
 
-The scenes are those of `light_scenes.py`, N drawings of each. A strand is right that follows the
-truth from end to end (`imaging_curls.py`), one found is false that follows no strand of the truth.
+The scenes are those of `light_scenes.py`, N drawings of each. A strand is right that is followed
+from end to end, one found is false that follows no strand of the truth: 97 % of it within 0.38
+widths (3 px at a width of 8) of one, and 95 % of that one within as much of it.
 What is said are the notes and refusals, but for those on ends, contact and guesses, which the
 curves call for in any light.
 """
@@ -16,15 +17,19 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from imaging_curls import matched, right
+from imaging_curls import matched
 from imaging_one_colour import follows_one
 from light_scenes import SCENES, draw
+from PIL import Image
 
 from imaging import Photo, Unmeasurable, crossings
 from imaging.measure import measure
 
 USUAL = ("strand", "contact", "interaction", "unresolved", "pair")
-TILE = (380, 500)  # of the sheet, width and height [px]
+RADIUS = 4.0  # px, of the strands for which `follows_one` is meant
+TILE = (250, 330)  # of the sheet, width and height [px]
+ACROSS = 6  # tiles
+COLOURS = 128  # of the sheet
 
 
 class Score(NamedTuple):
@@ -50,10 +55,13 @@ def score(name: str, seed: int) -> Score:
     seen = table.loc[table["kind"] == "inter", ["x", "y"]].to_numpy(float)
     said = [note for note in found.notes if not note.startswith(USUAL)]
     lines = [strand.line for strand in found.strands]
+    unit = RADIUS / float(np.mean(SCENES[name].radii))
+    scaled = [line * unit for line in lines]
+    follows = [[follows_one(line, [one * unit]) for one in truth] for line in scaled]
     return Score(
         len(truth),
-        sum(right(line, found.strands) for line in truth),
-        sum(not follows_one(line, truth) for line in lines),
+        int(np.any(follows, axis=0).sum()),
+        int((~np.any(follows, axis=1)).sum()),
         (matched(seen, there) if len(seen) and len(there) else 0, len(seen), len(there)),
         said,
         drawn_over(pixels, lines),
@@ -81,7 +89,7 @@ def tile(name: str, one: Score) -> np.ndarray:
     card = np.full((high + 26, wide + 6, 3), 255, np.uint8)
     card[26 : 26 + small.shape[0], : small.shape[1]] = small
     text = f"{name}: {one.right} of {one.true}" + (f", {one.false} false" if one.false else "")
-    cv2.putText(card, text, (2, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.48, (0, 0, 0), 1, cv2.LINE_AA)
+    cv2.putText(card, text, (2, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.36, (0, 0, 0), 1, cv2.LINE_AA)
     return card
 
 
@@ -111,9 +119,10 @@ def main() -> None:
         report(name, scores)
         tiles.append(tile(name, min(scores, key=lambda s: s.right - s.false)))
     if asked.sheet:
-        tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % 4)
-        rows = [np.hstack(tiles[i : i + 4]) for i in range(0, len(tiles), 4)]
-        cv2.imwrite(str(asked.sheet), np.vstack(rows)[..., ::-1])
+        tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % ACROSS)
+        rows = [np.hstack(tiles[i : i + ACROSS]) for i in range(0, len(tiles), ACROSS)]
+        few = Image.fromarray(np.vstack(rows)).quantize(COLOURS)
+        few.save(asked.sheet, optimize=True)
 
 
 if __name__ == "__main__":
