@@ -39,6 +39,19 @@ class Known(NamedTuple):
     width: np.ndarray
 
 
+class Sight(NamedTuple):
+    """What is looked at: lines across a strand, `distance` (m,) along `normal` from `middle`."""
+
+    middle: np.ndarray
+    normal: np.ndarray
+    distance: np.ndarray
+
+    @property
+    def points(self) -> np.ndarray:
+        """Points (n, m, 2) of all lines."""
+        return self.middle[:, None] + self.distance[None, :, None] * self.normal[:, None]
+
+
 def known(line: np.ndarray, width: np.ndarray, edges: np.ndarray, picture: np.ndarray) -> Known:
     """Learn the colour along a strand from where both its edges are seen.
 
@@ -106,8 +119,8 @@ def place(
         return offset, sd
     reach = round(SIGHT / STEP)
     across = STEP * width * np.arange(-reach, reach + 1)
-    at = line[rows, None] + across[None, :, None] * normals(line)[rows, None]
-    ground, mine = _taken_apart(at, own.colour[rows], others, picture, width)
+    sight = Sight(line[rows], normals(line)[rows], across)
+    ground, mine = _taken_apart(sight, own.colour[rows], others, picture, width)
     cost = _cost(ground, mine)
     cost = ndimage.gaussian_filter1d(cost, along, axis=0, mode="nearest")
     middle, half = _valley(cost)
@@ -116,15 +129,15 @@ def place(
 
 
 def _taken_apart(
-    at: np.ndarray, own: np.ndarray, others: Sequence[Known], picture: np.ndarray, width: float
+    sight: Sight, own: np.ndarray, others: Sequence[Known], picture: np.ndarray, width: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Share of the ground and of the strand itself in each sample, (n, m) both."""
-    colours = sample(picture, at)
+    colours = sample(picture, sight.points)
     mine = np.clip(_dot(colours, own[:, None]) / _dot(own, own)[:, None], 0, 1)
     left = _norm(colours - mine[..., None] * own[:, None])
     ground = 1 - mine
     for other in others:
-        i, j, colour = _beside(at, other, width)
+        i, j, colour = _beside(sight, other, width)
         if len(i) == 0:
             continue
         a, b, rest = _shares(colours[i, j], own[i], colour)
@@ -136,19 +149,19 @@ def _taken_apart(
     return ground, np.clip((mine - FAINT) / (1 - FAINT), 0, 1)
 
 
-def _beside(
-    at: np.ndarray, other: Known, width: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _beside(sight: Sight, other: Known, width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Find the samples within another strand (rows, columns), and its colour there.
 
     The other is taken as straight near its point nearest to the middle of the row.
     """
-    middle, within = at[:, at.shape[1] // 2], (SIGHT + 0.5) * width + 1
-    far, nearest = other.points.query(middle, distance_upper_bound=within)
+    within = (SIGHT + 0.5) * width + 1
+    far, nearest = other.points.query(sight.middle, distance_upper_bound=within)
     rows = np.flatnonzero(np.isfinite(far))
     nearest = nearest[rows]
-    away = at[rows] - other.points.data[nearest, None]
-    i, j = np.nonzero(np.abs(_dot(away, other.normal[nearest, None])) < 0.5 * width + 1)
+    normal = other.normal[nearest]
+    away = _dot(sight.middle[rows] - other.points.data[nearest], normal)
+    away = away[:, None] + _dot(sight.normal[rows], normal)[:, None] * sight.distance
+    i, j = np.nonzero(np.abs(away) < 0.5 * width + 1)
     return rows[i], j, other.colour[nearest[i]]
 
 
