@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from imaging.branches import End
+from imaging.bundle import bundled, normals_of
 from imaging.centreline import edges, normals
 from imaging.matching import GIVE_UP, Gain, as_arrays, bending, bridge
 from imaging.segment import Segmentation
@@ -53,8 +54,17 @@ def head_on(
         Indices into `ends`, and how much less the join costs than to leave both.
     """
     facing = _facing(ends, colours, width, farthest=FARTHEST, price=PRICE)
+    if not facing:
+        return []
+    paths = bundled([_along(ends[a], ends[b], width) for a, b, _ in facing])
+    normal = normals_of(paths)
+    low, high = edges(paths.points, coverage, coverage, width, normal)
+    middle = paths.points + (low + high)[:, None] / 2 * normal
+    outlines = zip(paths.parted(high - low), paths.parted(middle), strict=True)
     return [
-        (a, b, gain) for a, b, gain in facing if _one_outline(ends[a], ends[b], coverage, width)
+        join
+        for join, (span, line) in zip(facing, outlines, strict=True)
+        if _one_outline(span, line, width)
     ]
 
 
@@ -82,24 +92,26 @@ def _facing(
     return list(zip(i[good].tolist(), j[good].tolist(), gain[good].tolist(), strict=True))
 
 
-def _one_outline(first: End, second: End, coverage: np.ndarray, width: float) -> bool:
-    """Tell whether the outline along a join, and a little beyond, is that of a single strand.
-
-    It is as wide as before or after the join, and its middle follows a parabola.
-    """
+def _along(first: End, second: End, width: float) -> np.ndarray:
+    """Path (n, 2) from a little before a join to a little beyond it."""
     ahead = np.arange(1, int(AROUND * width) + 1)[:, None]
     before = first.point - ahead[::-1] * first.direction
     after = second.point - ahead * second.direction
-    path = np.concatenate([before, bridge(first, second), after])
-    low, high = edges(path, coverage, coverage, width)
-    span = high - low
+    return np.concatenate([before, bridge(first, second), after])
+
+
+def _one_outline(span: np.ndarray, middle: np.ndarray, width: float) -> bool:
+    """Tell whether an outline along a join, this wide about this middle, is of a single strand.
+
+    It is as wide as before or after the join, and its middle follows a parabola.
+    """
     if not np.isfinite(span).all():
         return False
-    usual = [np.median(part) for part in (span[: len(before)], span[-len(after) :])]
+    beside = int(AROUND * width)
+    usual = [np.median(part) for part in (span[:beside], span[-beside:])]
     if span.min() < NARROW * min(usual) or span.max() > WIDE * max(usual):
         return False
-    middle = path + (low + high)[:, None] / 2 * normals(path)
-    at = np.linspace(-1, 1, len(path))
+    at = np.linspace(-1, 1, len(middle))
     smooth = np.polynomial.polynomial.polyfit(at, middle, 2)
     off = middle - np.polynomial.polynomial.polyval(at, smooth).T
     return bool(np.sqrt((off**2).sum(axis=1).mean()) < ASIDE * width)
