@@ -160,7 +160,7 @@ def contact_notes(contacts: pd.DataFrame, found: pd.DataFrame | None) -> list[st
 
 
 def hidden_ends(strands: Sequence[Strand]) -> list[str]:
-    """Say which strands disappear under others for good: two in three go on (drawn curls)."""
+    """Say which strands disappear under others for good: half go on (drawn curls)."""
     places = [
         f"{number} at x = {point[0]:.0f}, y = {point[1]:.0f}"
         for number, strand in enumerate(strands, start=1)
