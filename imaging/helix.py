@@ -20,12 +20,12 @@ from imaging.helix_count import (
     spread_apart,
     strand_radius,
 )
-from imaging.helix_edges import Edges, edges_in_light, find_edges
+from imaging.helix_edges import Edges, doubted, edges_in_light, find_edges
 from imaging.helix_fit import Fit, fit, fit_best, widened
 from imaging.helix_measurement import HelixMeasurement, Start, measurement_of
 from imaging.helix_model import Layout, Model, offsets
 from imaging.helix_pair import pair_membership, rough_radius, twisted_pair
-from imaging.helix_prior import PENALISED, first_prior
+from imaging.helix_prior import PENALISED, Prior, first_prior
 from imaging.helix_splines import knots
 from imaging.photo import Photo
 from imaging.scale import Scale, stated
@@ -35,9 +35,11 @@ Array = np.ndarray
 Mask = np.ndarray
 THIN = 2.5  # px; strands thinner than this have no middle to measure
 SLOPED = 5.5  # px; strands thinner than this show too little of a slope beside an edge
+ENOUGH = 0.5  # of the edges that coverage shows; where fewer are clear in the light it is too dim
 UNSEEN = (
     "no tine is seen; it is taken to be where strands that lie apart come together towards the tip"
 )
+RIMS = (0.1, 0.25)  # px; by which coverage errs with the phase, before a dark ground and in contact
 SHADED = (0.5, 0.05)  # px; by which shading moves edges in the light: both strands', one's alone
 A_TURN = 3  # crossings
 END = 0.25  # pitch; cut ends and clamps are no helix
@@ -268,19 +270,38 @@ def _fit_all(
     prior = replace(first_prior(model, held), seen=_seen(model, valid, start))
     fitted = fit(model, edges, prior)
     gate = max(2.0, 0.35 * start.r)
-    if light is None or start.r < SLOPED:
-        edges = find_edges(membership, fitted.model, valid, gate)
+    rims = RIMS if light is not None else (0.0, 0.0)
+    in_light = None
+    if light is not None and start.r >= SLOPED:
+        shaded = replace(prior, shading=SHADED)
+        in_light = _fit_in_light(membership, light, fitted.model, shaded, valid, gate, held)
+    if in_light is None:
+        edges = doubted(find_edges(membership, fitted.model, valid, gate), rims)
         fitted = fit_best(fitted, edges, held)
-        edges = find_edges(membership, fitted.model, valid, gate)
+        edges = doubted(find_edges(membership, fitted.model, valid, gate), rims)
     else:
-        prior = replace(prior, shading=SHADED)
-        edges, blur = edges_in_light(light, fitted.model, valid, gate)
-        fitted = fit(fitted.model, edges, prior)
-        edges, _ = edges_in_light(light, fitted.model, valid, gate, blur)
-        fitted = fit_best(fitted, edges, held)
-        edges, _ = edges_in_light(light, fitted.model, valid, gate, blur)
+        fitted, edges = in_light
     fitted = fit(fitted.model, edges, fitted.prior, rounds=4)
     return widened(fitted, edges), edges, valid
+
+
+def _fit_in_light(
+    membership: np.ndarray,
+    light: Array,
+    model: Model,
+    prior: Prior,
+    valid: Mask,
+    gate: float,
+    held: dict[str, Mask],
+) -> tuple[Fit, Edges] | None:
+    """Fit to edges sought in the light; None where too few of them are clear."""
+    edges, blur = edges_in_light(light, model, valid, gate)
+    fitted = fit(model, edges, prior)
+    edges, _ = edges_in_light(light, fitted.model, valid, gate, blur)
+    if len(edges.s) < ENOUGH * len(find_edges(membership, fitted.model, valid, gate).s):
+        return None
+    fitted = fit_best(fitted, edges, held)
+    return fitted, edges_in_light(light, fitted.model, valid, gate, blur)[0]
 
 
 def _first_model(start: Start, shape: tuple[int, ...]) -> Model:

@@ -4,7 +4,7 @@ The strand in front shows both edges, the strand behind its outer edge only. Cen
 visible are biased by the hidden part (at R = r by a quarter of the radius); these edges are not.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import product
 
 import numpy as np
@@ -129,6 +129,11 @@ def edges_in_light(
     found = [strip.edges(model.axis, inside, blur) for strip in strips]
     every = Edges(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
     return every.sorted(), blur
+
+
+def doubted(edges: Edges, least: tuple[float, float]) -> Edges:
+    """Return edges with the ``least`` error [px] of those against the ground, those in contact."""
+    return replace(edges, doubt=np.where(edges.border == OUTER, *least))
 
 
 def visible(

@@ -294,6 +294,19 @@ def test_a_dark_strand_before_a_dark_cloth_is_found():
     assert rms(table["link"] / table["true_link"] - 1) < 0.03
 
 
+def test_where_the_light_shows_too_few_edges_coverage_is_used():
+    """Blue before green: little of a step in the light, whose few edges determined no helix."""
+    r, pitch = 6.5, 15 * 6.5
+    picture = draw_helix(
+        r, lambda s: -(1 + 0.1 * np.sin(2 * np.pi * s / (5 * pitch))) / pitch, 5 * pitch,
+        background=(34, 56, 28), blur=1.2, noise=0.014, phase=2.17, rng=1,
+        light=Light((-0.27, -0.09, 0.8), ambient=0.41, highlight=0.2, uneven=0.2),
+    )  # fmt: skip
+    table = beside_truth(helix(Photo(picture.pixels)), picture)
+    assert rms(table["link"] / table["true_link"] - 1) < 0.02
+    assert np.mean(np.abs(table["link"] - table["true_link"]) < 1.96 * table["sd"]) > 0.9
+
+
 def test_scale_turns_pixels_into_metres():
     segmentation = exact(drawn(turns=4))
     pixels, metres = helix(segmentation), helix(segmentation, scale=20_000.0)
