@@ -24,7 +24,7 @@ from imaging.synthetic import Look, render
 SHAPE = (240, 200)
 RED, GREEN, BLUE = (0.85, 0.1, 0.2), (0.1, 0.6, 0.25), (0.1, 0.3, 0.8)
 GROUND = (0.9, 0.9, 0.88)
-MEASURED = "3 strands, 4 crossings"
+MEASURED = "3 strands, 5 crossings"
 OK, REFUSED = 0, 2
 
 
