@@ -9,6 +9,7 @@ HUE = 0.06  # of (a, b)/(L + 16); a shadow keeps the ground's, which does not ch
 DEEPEST, FAINTEST = 0.1, 0.9  # of the ground's light that is left in a shadow
 SOFTER = 1.6  # times the softness of the sharpest colour's edges; a lamp is no point
 LEAST = 0.4  # px, by which it must be softer as well
+STEEP = 2  # px from the outline to where the edge is steepest, at most
 EVERY = 5  # pixel of a colour is compared with the ground under it
 SHARE = 0.1  # of a colour's area; less that is soft is chance
 GAUSS = np.sqrt(2 * np.pi)
@@ -51,7 +52,7 @@ def erase_shadows(
     dim = [k for k in darker.tolist() if _is_dim_ground(labels == k, lab, ground)]
     if not dim or len(colours) == 1:
         return None
-    rims = {k: _rim(labels, k, contrast) for k in range(1, len(colours) + 1)}
+    rims = {k: _rim(labels, k, contrast, width) for k in range(1, len(colours) + 1)}
     sharpest = min(float(np.median(softness)) for _, softness in rims.values())
     limit = max(SOFTER * sharpest, sharpest + LEAST)
     shadow = np.zeros(labels.shape, bool)
@@ -91,11 +92,14 @@ def _is_dim_ground(own: np.ndarray, lab: np.ndarray, ground: Ground) -> bool:
     return bool(DEEPEST < light < FAINTEST and (np.median(hue, axis=0) < HUE).all())
 
 
-def _rim(labels: np.ndarray, number: int, contrast: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _rim(
+    labels: np.ndarray, number: int, contrast: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Places (n,) of a colour's outline on bare ground, and the sd of its blur there (n,) [px].
 
     A step blurred by sd sigma rises by its height / (sigma sqrt(2 pi)) a pixel where it has half
-    its height, which is where a colour's outline runs.
+    its height. A colour's outline runs about there, but that of a strand little darker than the
+    ground a pixel or two inside, where it has all its height and rises no more.
     """
     own = (labels == number).view(np.uint8)
     others = (labels > 0).view(np.uint8) - own
@@ -104,10 +108,17 @@ def _rim(labels: np.ndarray, number: int, contrast: np.ndarray) -> tuple[np.ndar
     at = np.flatnonzero((own > inside) & free)
     if len(at) == 0:
         return at, np.full(1, np.inf)
-    across = cv2.Sobel(contrast, cv2.CV_32F, 1, 0, scale=1 / 8).ravel()[at]
-    down = cv2.Sobel(contrast, cv2.CV_32F, 0, 1, scale=1 / 8).ravel()[at]
-    slope = np.maximum(np.hypot(across, down), 1e-3)
-    return at, 2 * contrast.ravel()[at] / slope / GAUSS
+    across = cv2.Sobel(contrast, cv2.CV_32F, 1, 0, scale=1 / 8)
+    down = cv2.Sobel(contrast, cv2.CV_32F, 0, 1, scale=1 / 8)
+    steepest = _highest_within(STEEP, cv2.magnitude(across, down)).ravel()[at]
+    inside = _highest_within(int(width), contrast * own).ravel()[at]
+    height = np.minimum(2 * contrast.ravel()[at], inside)
+    return at, height / np.maximum(steepest, 1e-3) / GAUSS
+
+
+def _highest_within(distance: int, values: np.ndarray) -> np.ndarray:
+    side = 2 * distance + 1
+    return cv2.dilate(values, np.ones((side, side), np.uint8))
 
 
 def _nearest_soft(
