@@ -14,7 +14,8 @@ THICK = 0.01  # of the picture's shorter side; lines of a grid are thinner
 LONG = 0.4  # of the picture's shorter side, along which a line is seen
 LINES = 3  # at least so many one way and across
 PARALLEL = 3.0  # degrees from the commonest direction, or from the one across it
-BESIDE = 3  # px to the side of a line that its ink reaches, with lens and rounding
+SIDE = 900  # pixels; a larger picture is searched in larger ones, at least so many to a side
+BESIDE = 3  # such pixels to the side of a line that its ink reaches, with lens and rounding
 INK = 12.0  # Lab units off the mixtures of ground and ink; farther is a strand
 DEEPEST = 1.3  # times the ink's contrast; the same
 
@@ -86,10 +87,12 @@ def _thin(mask: np.ndarray) -> np.ndarray:
 
 def _grid(thin: np.ndarray) -> np.ndarray | None:
     """Where the lines of a grid run (h, w) uint8, a few pixels wide; None where there is none."""
-    found = cv2.HoughLines(thin, 1, np.pi / 360, int(LONG * min(thin.shape)))
+    pixel = max(1, min(thin.shape) // SIDE)
+    small = cv2.resize(255 * thin, None, fx=1 / pixel, fy=1 / pixel, interpolation=cv2.INTER_AREA)
+    found = cv2.HoughLines(small, 1, np.pi / 360, int(LONG * min(small.shape)))
     if found is None:
         return None
-    rho, theta = found[:, 0].T.astype(float)
+    rho, theta = found[:, 0].T.astype(float) * [[pixel], [1]]
     step = np.degrees(theta)
     middle = np.bincount(np.round(step % 90).astype(int) % 90).argmax()
     off = (step - middle + 45) % 90 - 45
@@ -103,7 +106,7 @@ def _grid(thin: np.ndarray) -> np.ndarray | None:
         normal = np.array([np.cos(angle), np.sin(angle)])
         along = far * np.array([-normal[1], normal[0]])
         ends = [np.round(r * normal + way * along).astype(int).tolist() for way in (-1, 1)]
-        cv2.line(drawn, ends[0], ends[1], 1, 2 * BESIDE + 1)
+        cv2.line(drawn, ends[0], ends[1], 1, pixel * (2 * BESIDE + 1))
     return drawn
 
 

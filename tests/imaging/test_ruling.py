@@ -19,14 +19,14 @@ def lines() -> list[np.ndarray]:
     return [*waves, np.stack([np.linspace(25, 315, 400), np.linspace(70, 200, 400)], axis=1)]
 
 
-def mat(step: float, turned: float) -> np.ndarray:
-    """Green with light lines two pixels thick, turned by so many degrees."""
+def mat(step: float, turned: float, thick: float = 2) -> np.ndarray:
+    """Green with light lines, turned by so many degrees."""
     ground = np.empty((*SHAPE, 3))
     ground[:] = (0.1, 0.35, 0.25)
     y, x = np.mgrid[: SHAPE[0], : SHAPE[1]]
     angle = np.radians(turned)
     u, v = x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)
-    ground[(u % step < 2) | (v % step < 2)] = (0.85, 0.85, 0.6)
+    ground[(u % step < thick) | (v % step < thick)] = (0.85, 0.85, 0.6)
     return ground
 
 
@@ -40,6 +40,14 @@ def test_the_grid_of_a_cutting_mat_is_ground(step, turned):
     assert len(found.colours) == len(strands) == 3
     assert (crossings(strands, found)["kind"] == "inter").sum() == len(crossings(lines()))
     assert any("grid" in note for note in notes_on(photo, found, strands))
+
+
+def test_the_grid_is_found_in_a_large_photograph_too():
+    heights = [np.zeros(400), np.zeros(400), np.full(400, 20.0)]
+    look = Look(background=mat(45, 0, thick=1))
+    pixels = render(lines(), heights, COLOURS, 4, SHAPE, look=look, rng=3).pixels
+    photo = Photo(cv2.resize(pixels, None, fx=6, fy=6, interpolation=cv2.INTER_CUBIC))
+    assert len(segment(photo).colours) == 3
 
 
 def test_straight_strands_of_several_colours_are_no_grid():
