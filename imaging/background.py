@@ -97,7 +97,8 @@ def ground_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> Ground:
         weight = (hidden < 0.01).astype(np.float32)
     surface, weight = _robust_quadratic(small, weight)
     rest = _local_mean(small - surface, weight, sigma=0.08 * min(small.shape[:2]))
-    return Ground(cv2.resize(surface + rest, (width, len(small))), height)
+    rows = max(len(small), 2)  # to lie between
+    return Ground(cv2.resize(surface + rest, (width, rows)), height)
 
 
 def _robust_quadratic(small: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -22,9 +22,7 @@ NEAR_END_ON = np.radians(45.0)  # a lean that foreshortens too much to be measur
 SHADING = 0.05  # px; by which shading moves edges alike at every crossing (measured on drawings)
 MISFIT = 0.15  # strand radii; where outer edges miss the outline by more, the phase is another
 LOST = 0.05  # strand radii beyond noise; edges that miss the outline by more are not explained
-THROUGH = (
-    0.75  # strand radii; strands whose axes lie closer to the helix' would go through each other
-)
+THROUGH = 0.75  # strand radii; strands closer to the axis would go through each other
 HIDDEN = 0.5  # pitch; a longer gap may hide a whole turn
 
 

@@ -10,6 +10,7 @@ DEEPEST, FAINTEST = 0.1, 0.9  # of the ground's light that is left in a shadow
 SOFTER = 1.6  # times the softness of the sharpest colour's edges; a lamp is no point
 LEAST = 0.4  # px, by which it must be softer as well
 STEEP = 2  # px from the outline to where the edge is steepest, at most
+WHOLE = 75  # per cent of a colour's pixels that have less than all its contrast
 EVERY = 5  # pixel of a colour is compared with the ground under it
 SHARE = 0.1  # of a colour's area; less that is soft is chance
 GAUSS = np.sqrt(2 * np.pi)
@@ -52,7 +53,8 @@ def erase_shadows(
     dim = [k for k in darker.tolist() if _is_dim_ground(labels == k, lab, ground)]
     if not dim or len(colours) == 1:
         return None
-    rims = {k: _rim(labels, k, contrast, width) for k in range(1, len(colours) + 1)}
+    slope = _steepest(contrast)
+    rims = {k: _rim(labels, k, contrast, slope) for k in range(1, len(colours) + 1)}
     sharpest = min(float(np.median(softness)) for _, softness in rims.values())
     limit = max(SOFTER * sharpest, sharpest + LEAST)
     shadow = np.zeros(labels.shape, bool)
@@ -92,8 +94,16 @@ def _is_dim_ground(own: np.ndarray, lab: np.ndarray, ground: Ground) -> bool:
     return bool(DEEPEST < light < FAINTEST and (np.median(hue, axis=0) < HUE).all())
 
 
+def _steepest(contrast: np.ndarray) -> np.ndarray:
+    """Steepest slope (h, w) of the contrast around each pixel, per pixel."""
+    across = cv2.Sobel(contrast, cv2.CV_32F, 1, 0, scale=1 / 8)
+    down = cv2.Sobel(contrast, cv2.CV_32F, 0, 1, scale=1 / 8)
+    side = 2 * STEEP + 1
+    return cv2.dilate(cv2.magnitude(across, down), np.ones((side, side), np.uint8))
+
+
 def _rim(
-    labels: np.ndarray, number: int, contrast: np.ndarray, width: float
+    labels: np.ndarray, number: int, contrast: np.ndarray, slope: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Places (n,) of a colour's outline on bare ground, and the sd of its blur there (n,) [px].
 
@@ -104,21 +114,13 @@ def _rim(
     own = (labels == number).view(np.uint8)
     others = (labels > 0).view(np.uint8) - own
     free = cv2.dilate(others, np.ones((7, 7), np.uint8)) == 0
-    inside = cv2.erode(own, np.ones((3, 3), np.uint8))
-    at = np.flatnonzero((own > inside) & free)
+    inner = cv2.erode(own, np.ones((3, 3), np.uint8))
+    at = np.flatnonzero((own > inner) & free)
     if len(at) == 0:
         return at, np.full(1, np.inf)
-    across = cv2.Sobel(contrast, cv2.CV_32F, 1, 0, scale=1 / 8)
-    down = cv2.Sobel(contrast, cv2.CV_32F, 0, 1, scale=1 / 8)
-    steepest = _highest_within(STEEP, cv2.magnitude(across, down)).ravel()[at]
-    inside = _highest_within(int(width), contrast * own).ravel()[at]
-    height = np.minimum(2 * contrast.ravel()[at], inside)
-    return at, height / np.maximum(steepest, 1e-3) / GAUSS
-
-
-def _highest_within(distance: int, values: np.ndarray) -> np.ndarray:
-    side = 2 * distance + 1
-    return cv2.dilate(values, np.ones((side, side), np.uint8))
+    whole = np.percentile(contrast[own > 0], WHOLE)
+    height = np.minimum(2 * contrast.ravel()[at], whole)
+    return at, height / np.maximum(slope.ravel()[at], 1e-3) / GAUSS
 
 
 def _nearest_soft(

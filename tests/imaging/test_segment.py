@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from imaging import Photo, Unmeasurable, segment
-from imaging.background import Ground, bands
+from imaging.background import Ground, bands, ground_of
 from imaging.helix_synthetic import draw_helix
 from imaging.palette import find_colours
 from imaging.segment import _without_dirt
@@ -176,3 +176,8 @@ def test_the_ground_in_bands_is_the_ground_interpolated_at_once():
     np.testing.assert_allclose(found, cv2.resize(coarse, (40, 8000)), atol=1e-6)
     places = np.array([0, 3, 4321, 160_000, 319_999])
     np.testing.assert_allclose(ground.at(places), found.reshape(-1, 3)[places], atol=1e-6)
+
+
+def test_a_picture_of_one_row_has_the_ground_of_its_row():
+    lab = np.full((1, 50, 3), (60, 5, -8), np.float32)
+    np.testing.assert_allclose(ground_of(lab).rows(slice(0, 1)), lab, atol=1e-3)
