@@ -8,7 +8,7 @@ import pandas as pd
 from scipy.spatial import cKDTree
 
 from imaging import Strand, crossings
-from imaging.centreline import arclength
+from imaging.trace.centreline import arclength
 
 LONG = 5.0  # strand widths on which centrelines are less than a width apart: 23 degrees at most
 NEAR = 8.0  # px between a crossing found and its place

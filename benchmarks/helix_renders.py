@@ -6,9 +6,7 @@ kinks there, is over-wound and wound in space ahead of it, and is seen in perspe
 
 import numpy as np
 import pandas as pd
-
-import sim
-from imaging.helix_synthetic import (
+from drawn.helix import (
     Light,
     SyntheticHelix,
     draw_helix,
@@ -16,6 +14,8 @@ from imaging.helix_synthetic import (
     framed,
     twist_in_space,
 )
+
+import sim
 from sim.topology import common_arclength, partners
 
 Array = np.ndarray

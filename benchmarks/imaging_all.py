@@ -25,12 +25,12 @@ import imaging_curls
 import imaging_mbest
 import numpy as np
 import pandas as pd
+from drawn.strands import Look, random_curl, render
 from PIL import Image
 
 from imaging import Photo, crossings, read_photo, segment, trace, unresolved
 from imaging.measure import measure
-from imaging.overlay import draw_overlay
-from imaging.synthetic import Look, random_curl, render
+from imaging.report.overlay import draw_overlay
 
 HERE = Path(__file__).parent
 GOOD, BAD = 4, 8  # tiles on a sheet

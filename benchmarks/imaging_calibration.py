@@ -15,12 +15,12 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import pandas as pd
+from drawn.strands import random_curl, render
 from imaging_curls import PALETTE, varied_look
 from scipy.spatial import cKDTree
 
 from imaging import Photo, Segmentation, Strand, crossings, densities, interactions, segment, trace
-from imaging.centreline import arclength, resample
-from imaging.synthetic import random_curl, render
+from imaging.trace.centreline import arclength, resample
 
 STRANDS = 6
 SHAPE = (460, 320)

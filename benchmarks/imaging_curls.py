@@ -18,11 +18,11 @@ import cv2
 import numpy as np
 import pandas as pd
 from contact_truth import Contacts, score_contacts
+from drawn.strands import Look, random_curl, render
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
 from imaging import Photo, Strand, crossings, interactions, segment, trace, unresolved
-from imaging.synthetic import Look, random_curl, render
 
 STRANDS = 12
 SHAPE = (1280, 900)

@@ -15,15 +15,15 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from drawn.helix import SyntheticHelix, draw_helix
+from drawn.helix_accuracy import beside_truth, total_link_error, window_errors
 from helix_renders import COLOURS, SHAPES, is_dark, varied
 from scipy.spatial import cKDTree
 from tqdm import tqdm
 
 from imaging import Photo, Unmeasurable, read_photo
 from imaging.helix import helix
-from imaging.helix_accuracy import beside_truth, total_link_error, window_errors
-from imaging.helix_measurement import HelixMeasurement
-from imaging.helix_synthetic import SyntheticHelix, draw_helix
+from imaging.helix.measurement import HelixMeasurement
 from imaging.scale import from_marker
 
 DATA = Path(__file__).parents[1] / "data"

@@ -19,10 +19,10 @@ from tempfile import TemporaryDirectory
 
 import cv2
 import numpy as np
+from drawn.strands import random_curl, render
 from imaging_curls import PALETTE, SHAPE, STRANDS, line, varied_look
 
 from imaging import crossings, interactions, read_photo, segment, trace
-from imaging.synthetic import random_curl, render
 
 LARGER = np.sqrt(12e6 / (SHAPE[0] * SHAPE[1]))
 

@@ -16,7 +16,7 @@ import pandas as pd
 from scipy.optimize import linear_sum_assignment
 
 from imaging import crossings, read_photo, segment, trace
-from imaging.overlay import draw_overlay
+from imaging.report.overlay import draw_overlay
 
 FOLDER = Path(__file__).parents[2] / "shared" / "real" / "mBEST"
 NEAR = 5.0  # px within which a crossing counts as found

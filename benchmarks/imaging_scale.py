@@ -14,12 +14,13 @@ from typing import Any
 
 import cv2
 import numpy as np
+from drawn.board import camera, local_scale, photograph_board
+from drawn.strands import Look, render
 
 from imaging import Photo, segment, trace
-from imaging.board import from_charuco, from_grid
-from imaging.board_synthetic import camera, local_scale, photograph_board
+from imaging.measure.measured import full_widths
 from imaging.scale import Scale, from_filament, from_marker, from_ruler
-from imaging.synthetic import Look, render
+from imaging.scale.board import from_charuco, from_grid
 
 SHAPE = (900, 1200)
 SQUARES, SIDE, MARKER = (7, 5), 0.015, 0.011  # m
@@ -111,7 +112,7 @@ def filaments() -> None:
             drawn = render(lines, [np.zeros(400)] * 3, colours, radius, (240, 400),
                            look=Look(background=background), rng=1)  # fmt: skip
             photo = Photo(drawn.pixels)
-            scale = from_filament(trace(segment(photo), photo), 1.0)
+            scale = from_filament(full_widths(trace(segment(photo), photo)), 1.0)
             errors.append(scale.metres_per_pixel * 2 * radius - 1)
             z.append(errors[-1] / scale.relative_sd)
     line("filament diameter: error, worst %", 100 * max(errors, key=abs), "-", 1)

@@ -14,11 +14,11 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import pandas as pd
+from drawn.strands import random_curl, render
 from imaging_curls import PALETTE, SHAPE, STRANDS, line, right, varied_look
 from scipy.spatial import cKDTree
 
 from imaging import Photo, segment, trace
-from imaging.synthetic import random_curl, render
 
 CHANGING = (1, 5, 9)  # strands that change their colour
 SECOND = np.array([[128, 128, 128], [250, 170, 180], [0, 128, 128]]) / 255

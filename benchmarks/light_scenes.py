@@ -10,10 +10,9 @@ from functools import partial
 
 import cv2
 import numpy as np
+from drawn.strands import Look, random_curl, render
 from numpy.typing import ArrayLike
 from scipy import ndimage
-
-from imaging.synthetic import Look, random_curl, render
 
 SHAPE = (1000, 760)
 STRANDS = 6

@@ -8,11 +8,11 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 import pandas as pd
+from drawn.strands import random_curl, render
 from imaging_curls import BLOND, PALETTE, SHAPE, STRANDS, varied_look
 from scipy.spatial import cKDTree
 
 from imaging import crossings
-from imaging.synthetic import random_curl, render
 
 SMALL = (420, 420)  # px high and wide
 SMALLEST = np.radians(15)  # angle of a clean crossing

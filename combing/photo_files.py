@@ -15,12 +15,12 @@ import scipy
 
 from combing import __version__
 from combing.figures.style import write_pictures
-from imaging.decode import refuse_unless_file
-from imaging.figures import histogram, kymograph
-from imaging.imagej import available, write_rois
 from imaging.measure import Measured
-from imaging.overlay import draw_overlay, labels_picture, overlay_svg
-from imaging.tables import (
+from imaging.photo.decode import refuse_unless_file
+from imaging.report.figures import histogram, kymograph
+from imaging.report.imagej import available, write_rois
+from imaging.report.overlay import draw_overlay, labels_picture, overlay_svg
+from imaging.report.tables import (
     columns_of,
     crossings_table,
     densities_table,

@@ -11,7 +11,7 @@ import pandas as pd
 
 import imaging
 from combing.errors import UserError, is_users_fault
-from imaging.decode import SUFFIXES
+from imaging.photo.decode import SUFFIXES
 from imaging.scale import from_marker
 
 T = TypeVar("T")

@@ -4,16 +4,12 @@ Functions bear the names of the rooms they live in (``imaging.segment`` is the f
 are imported here, once, after their modules.
 """
 
-from imaging.crossings import crossings
+from imaging.count import crossings, densities, events, interactions, unresolved
 from imaging.errors import Unmeasurable
-from imaging.helix import helix
-from imaging.helix_measurement import HelixMeasurement
-from imaging.helix_sequence import helix_sequence, link_jump
-from imaging.interactions import densities, events, interactions
+from imaging.helix import HelixMeasurement, helix, helix_sequence, link_jump
 from imaging.photo import Photo, read_photo
 from imaging.segment import Segmentation, segment
 from imaging.trace import Strand, trace
-from imaging.unresolved import unresolved
 
 __all__ = [
     "HelixMeasurement",

@@ -17,18 +17,17 @@ from tqdm import tqdm
 import imaging
 from combing.errors import UserError, is_users_fault
 from combing.figures.style import write_pictures
-from imaging.calibration import calibrate
 from imaging.helix import helix
-from imaging.helix_measurement import HelixMeasurement
-from imaging.helix_pictures import (
+from imaging.helix.measurement import HelixMeasurement
+from imaging.helix.sequence import HelixSequence, kymograph, sequence_of
+from imaging.photo import Photo
+from imaging.report.helix_pictures import (
     draw_helix_overlay,
     kymograph_figure,
     link_figure,
     sequence_figure,
 )
-from imaging.helix_sequence import HelixSequence, kymograph, sequence_of
-from imaging.photo import Photo
-from imaging.scale import FORMS, Request, Scale, parse_scale
+from imaging.scale import FORMS, Request, Scale, calibrate, parse_scale
 
 COLUMNS = {
     "s": "arclength of the axis from the root [UNIT]",

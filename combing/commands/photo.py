@@ -14,8 +14,8 @@ from combing.errors import UserError, is_users_fault
 from combing.photo_files import earlier, fingerprint, write_batch, write_photo
 from combing.photographs import find_photographs
 from imaging.measure import Measured, measure
-from imaging.region import FORMS as REGION_FORMS
-from imaging.region import parse_region
+from imaging.photo.region import FORMS as REGION_FORMS
+from imaging.photo.region import parse_region
 from imaging.scale import FORMS, Request, parse_scale
 
 

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
+from drawn.helix import draw_helix
 
 from combing.cli import main
-from imaging.helix_synthetic import draw_helix
 
 R = 6.0
 PITCH = 18 * R

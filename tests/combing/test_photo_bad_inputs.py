@@ -16,10 +16,10 @@ import cv2
 import numpy as np
 import pytest
 import tifffile
+from drawn.strands import Look, render
 from PIL import Image
 
 from combing.cli import main
-from imaging.synthetic import Look, render
 
 SHAPE = (240, 200)
 RED, GREEN, BLUE = (0.85, 0.1, 0.2), (0.1, 0.6, 0.25), (0.1, 0.3, 0.8)

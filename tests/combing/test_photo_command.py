@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
+from drawn.strands import render
 
 from combing.cli import main
 from combing.commands import photo as photo_command
-from imaging.synthetic import render
 
 FILES = {
     "strands.csv", "crossings.csv", "unresolved.csv", "interactions.csv", "densities.csv",

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
+from drawn.strands import render
 
 from combing.compare.bench import compare
 from combing.compare.link import compare_link
@@ -13,7 +14,6 @@ from combing.errors import UserError
 from combing.photographs import Refused, find_photographs, measured_only, tried
 from combing.study import LinkSet, load_study
 from imaging import Unmeasurable
-from imaging.synthetic import render
 
 
 @pytest.fixture

@@ -3,11 +3,11 @@
 import cv2
 import numpy as np
 import pytest
+from drawn.board import Way, camera, local_scale, photograph_board
 
 from imaging import Photo, Unmeasurable
-from imaging.board import from_charuco, from_grid
-from imaging.board_synthetic import Way, camera, local_scale, photograph_board
-from imaging.plane import fit_plane
+from imaging.scale.board import from_charuco, from_grid
+from imaging.scale.plane import fit_plane
 
 SHAPE = (700, 900)
 SQUARES, SIDE, MARKER = (7, 5), 0.015, 0.011

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from imaging.branches import branches
-from imaging.centreline import arclength
+from imaging.trace.branches import branches
+from imaging.trace.centreline import arclength
 
 WIDTH = 6
 

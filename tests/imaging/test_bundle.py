@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from imaging.bundle import bundled, normals_of, resampled
-from imaging.centreline import _smoothed, centred, normals, resample
+from imaging.trace.bundle import bundled, normals_of, resampled
+from imaging.trace.centreline import _smoothed, centred, normals, resample
 
 
 def lines() -> list[np.ndarray]:

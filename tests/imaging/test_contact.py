@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from drawn.strands import render
 from scipy.spatial import cKDTree
 
 from imaging import Photo, crossings, segment, trace
-from imaging.branches import ends_of
-from imaging.centreline import resample
-from imaging.contact import Known, place
-from imaging.matching import join, refund, within_colour
-from imaging.synthetic import render
+from imaging.trace.branches import ends_of
+from imaging.trace.centreline import resample
+from imaging.trace.contact import Known, place
+from imaging.trace.matching import join, refund, within_colour
 
 RED, GREEN = (0.85, 0.1, 0.2), (0.1, 0.6, 0.25)
 SHAPE = (260, 160)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from imaging.centreline import resample
-from imaging.corners import without_corners
+from imaging.trace.centreline import resample
+from imaging.trace.corners import without_corners
 
 WIDTH = 5.0
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from drawn.strands import random_curl, render
 
 from imaging import Photo, Strand, crossings, segment, trace
-from imaging.synthetic import random_curl, render
 
 
 def test_right_angle():

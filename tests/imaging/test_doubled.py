@@ -3,14 +3,14 @@
 import cv2
 import numpy as np
 import pytest
+from drawn.strands import render
 from scipy.spatial import cKDTree
 
 from imaging import Photo, segment, trace
-from imaging.branches import ends_of
-from imaging.doubled import BROAD, SIDE_BY_SIDE, broad_parts, stems
-from imaging.doubts import doubt_notes
-from imaging.matching import doubtful
-from imaging.synthetic import render
+from imaging.measure.doubts import doubt_notes
+from imaging.trace.branches import ends_of
+from imaging.trace.doubled import BROAD, SIDE_BY_SIDE, broad_parts, stems
+from imaging.trace.matching import doubtful
 
 BLUE = (0.1, 0.3, 0.8)
 SHAPE = (320, 260)

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from imaging.figures import histogram, kymograph
+from imaging.report.figures import histogram, kymograph
 
 
 def test_the_kymograph_shows_strands_in_interactions_by_section_and_photograph():

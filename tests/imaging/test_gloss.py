@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from drawn.helix import draw_helix
+from drawn.strands import Look, render
 
 from imaging import Photo, segment, trace
-from imaging.helix_synthetic import draw_helix
-from imaging.synthetic import Look, render
 
 BLACK, RED, BLUE = (0.08, 0.08, 0.08), (0.9, 0.1, 0.3), (0.0, 0.35, 0.8)
 

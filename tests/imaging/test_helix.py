@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from drawn.helix import BLUE, RED, Light, draw_helix, draw_tubes
+from drawn.helix_accuracy import beside_truth, total_link_error, window_errors
 
 from imaging import Photo, Segmentation, Unmeasurable
 from imaging.helix import helix
-from imaging.helix_accuracy import beside_truth, total_link_error, window_errors
-from imaging.helix_synthetic import BLUE, RED, Light, draw_helix, draw_tubes
 
 R = 6.0
 PITCH = 18 * R

@@ -4,26 +4,26 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.interpolate import BSpline
-from scipy.ndimage import gaussian_filter1d
-
-from imaging.helix_axis import axis_through, find_axis
-from imaging.helix_chain import cells_of, inverse, solve
-from imaging.helix_count import HalfTurns, Look, first_phase, half_turns
-from imaging.helix_edges import CONTACT, HIDDEN, OUTER, visible
-from imaging.helix_fit import _correlation
-from imaging.helix_model import Layout, Model, feet, outlines, positions
-from imaging.helix_pair import twisted_pair
-from imaging.helix_profile import Profiles, edge_places, likely_blur, sampled_places
-from imaging.helix_space import in_space, link_beyond_phase, writhe_shares
-from imaging.helix_splines import basis, curve, knots
-from imaging.helix_synthetic import (
+from drawn.helix import (
     bent_axis,
     draw_helix,
     tilt_strands,
     twist_in_space,
     twist_strands,
 )
+from scipy.interpolate import BSpline
+from scipy.ndimage import gaussian_filter1d
+
+from imaging.helix.axis import axis_through, find_axis
+from imaging.helix.chain import cells_of, inverse, solve
+from imaging.helix.count import HalfTurns, Look, first_phase, half_turns
+from imaging.helix.edges import CONTACT, HIDDEN, OUTER, visible
+from imaging.helix.fit import _correlation
+from imaging.helix.model import Layout, Model, feet, outlines, positions
+from imaging.helix.pair import twisted_pair
+from imaging.helix.profile import Profiles, edge_places, likely_blur, sampled_places
+from imaging.helix.space import in_space, link_beyond_phase, writhe_shares
+from imaging.helix.splines import basis, curve, knots
 from imaging.segment import Segmentation
 
 

@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
+from drawn.helix import draw_helix
 from scipy.spatial import cKDTree
 
 from imaging import Photo, Segmentation, Unmeasurable
 from imaging.helix import helix
-from imaging.helix_pictures import (
+from imaging.helix.sequence import helix_sequence, kymograph, link_jump
+from imaging.report.helix_pictures import (
     draw_helix_overlay,
     kymograph_figure,
     link_figure,
     sequence_figure,
 )
-from imaging.helix_sequence import helix_sequence, kymograph, link_jump
-from imaging.helix_synthetic import draw_helix
 
 R = 6.0
 PITCH = 18 * R

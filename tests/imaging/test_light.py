@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from drawn.strands import Look, render
 from scipy.spatial import cKDTree
 
 from imaging import Photo, crossings, segment, trace
-from imaging.centreline import resample
-from imaging.synthetic import Look, render
+from imaging.trace.centreline import resample
 
 SHAPE = (260, 300)
 BRIGHT = [(0.85, 0.1, 0.2), (0.1, 0.6, 0.25), (0.1, 0.3, 0.8), (0.95, 0.8, 0.1)]

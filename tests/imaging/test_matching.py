@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from imaging import matching
-from imaging.branches import End
+from imaging.trace import matching
+from imaging.trace.branches import End
 
 
 @pytest.mark.parametrize("seed", range(5))

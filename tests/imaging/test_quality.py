@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from drawn.strands import Look, render
 from scipy import ndimage
 
 from imaging import Photo, segment, trace
-from imaging.quality import notes_on
-from imaging.synthetic import Look, render
+from imaging.measure.quality import notes_on
 
 SHAPE = (260, 300)
 

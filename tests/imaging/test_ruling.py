@@ -3,10 +3,10 @@
 import cv2
 import numpy as np
 import pytest
+from drawn.strands import Look, render
 
 from imaging import Photo, crossings, segment, trace
-from imaging.quality import notes_on
-from imaging.synthetic import Look, render
+from imaging.measure.quality import notes_on
 
 SHAPE = (300, 340)
 COLOURS = [(0.9, 0.1, 0.3), (0.95, 0.8, 0.1), (0.2, 0.4, 0.9)]

@@ -3,13 +3,14 @@
 import cv2
 import numpy as np
 import pytest
+from drawn.helix import draw_helix
+from drawn.strands import Look, Picture, render
 
 from imaging import Photo, Unmeasurable, segment
-from imaging.background import Ground, bands, ground_of
-from imaging.helix_synthetic import draw_helix
-from imaging.palette import find_colours
-from imaging.segment import _without_dirt
-from imaging.synthetic import Look, Picture, render
+from imaging.photo import bands
+from imaging.segment.ground import Ground, ground_of
+from imaging.segment.palette import find_colours
+from imaging.segment.segmentation import _without_dirt
 
 SHAPE = (240, 320)
 

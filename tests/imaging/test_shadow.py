@@ -3,11 +3,11 @@
 import cv2
 import numpy as np
 import pytest
+from drawn.strands import Look, render
 from scipy import ndimage
 
 from imaging import Photo, segment, trace
-from imaging.quality import notes_on
-from imaging.synthetic import Look, render
+from imaging.measure.quality import notes_on
 
 SHAPE = (300, 340)
 COLOURS = [(0.9, 0.1, 0.3), (0.5, 0.5, 0.5), (0.08, 0.08, 0.08)]

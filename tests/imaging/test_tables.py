@@ -4,14 +4,14 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
+from drawn.strands import Look, render
 
 from imaging import Photo
-from imaging.imagej import write_rois
 from imaging.measure import Measured, measure
-from imaging.overlay import labels_picture, overlay_svg
+from imaging.report.imagej import write_rois
+from imaging.report.overlay import labels_picture, overlay_svg
+from imaging.report.tables import crossings_table, densities_table, strands_table
 from imaging.scale import Request, parse_scale
-from imaging.synthetic import Look, render
-from imaging.tables import crossings_table, densities_table, strands_table
 
 SHAPE = (400, 500)
 PIXEL = 2e-4  # m; of the plane seen from above

@@ -1,11 +1,11 @@
 """Tips of strands that show again beyond what hides them, and what is none."""
 
 import numpy as np
+from drawn.strands import render
 from scipy.spatial import cKDTree
 
 from imaging import Photo, crossings, segment, trace
-from imaging.synthetic import render
-from imaging.tips import led_on
+from imaging.trace.tips import led_on
 
 RED, GREEN = (0.85, 0.1, 0.2), (0.1, 0.6, 0.25)
 SHAPE = (260, 320)

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from drawn.helix import draw_helix
+from drawn.strands import Look, random_curl, render
 from scipy.spatial import cKDTree
 
 from imaging import Photo, crossings, segment, trace
-from imaging.centreline import resample
-from imaging.helix_synthetic import draw_helix
-from imaging.synthetic import Look, random_curl, render
+from imaging.trace.centreline import resample
 
 RED, GREEN, BLUE = (0.85, 0.1, 0.2), (0.1, 0.6, 0.25), (0.1, 0.3, 0.8)
 SHAPE = (260, 320)

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from drawn.strands import render
 from scipy.spatial import cKDTree
 
 from imaging import Photo, Segmentation, Strand, crossings, segment, trace
-from imaging.doubts import doubt_notes
-from imaging.overlay import labels_picture
-from imaging.synthetic import render
+from imaging.measure.doubts import doubt_notes
+from imaging.report.overlay import labels_picture
 
 RED, GREEN, BLUE = np.array([(0.85, 0.1, 0.2), (0.1, 0.6, 0.25), (0.1, 0.3, 0.8)])
 SHAPE = (360, 220)

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from drawn.strands import render
 
 from imaging import (
     Photo,
@@ -14,9 +15,8 @@ from imaging import (
     trace,
     unresolved,
 )
+from imaging.count.unresolved import contact_of
 from imaging.measure import measure
-from imaging.synthetic import render
-from imaging.unresolved import contact_of
 
 RED, GREEN = (0.85, 0.1, 0.2), (0.1, 0.6, 0.25)
 SHAPE = (260, 160)

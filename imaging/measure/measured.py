@@ -1,0 +1,158 @@
+"""Everything that `combing photo` tells of one photograph, in one call."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from imaging.count.crossings import crossings
+from imaging.count.interactions import densities, events, interactions
+from imaging.count.unresolved import contact_notes, contact_of, hidden_ends, unresolved
+from imaging.errors import Unmeasurable
+from imaging.helix.measurement import HelixMeasurement
+from imaging.helix.winding import Pair, winding_pairs, wound
+from imaging.measure.doubts import doubt_notes
+from imaging.measure.quality import exposure, notes_on
+from imaging.photo import Photo
+from imaging.scale import Request, Scale, calibrate, from_filament
+from imaging.segment import Segmentation, segment
+from imaging.trace import Strand, trace
+
+OTHER_SECTIONS = (0.5, 2.0)  # times n_sec, to show how much the densities depend on it
+EVERY = 25  # centreline points between those at which the scale's sd is averaged
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Everything measured on one photograph; lengths in pixels, `scale` leads to metres.
+
+    Attributes
+    ----------
+    photo : Photo
+    segmentation : Segmentation
+    strands : list of Strand
+    crossings : DataFrame
+        From `imaging.crossings`, and ``contact``: the row of `unresolved`, from 1, it lies in.
+    unresolved : DataFrame
+        From `imaging.unresolved`: contact of which the picture does not tell how often, or where,
+        the strands cross.
+    interactions, densities : DataFrame or None
+        By section and summed; None where there are fewer than two strands. Where the scale has
+        perspective, sections are cut in the plane of the strands, and a pixel is the mean one.
+    scale : Scale or None
+    links : dict
+        A `HelixMeasurement` [px] for every pair of strands that wind round each other.
+    notes : list of str
+        What makes the numbers doubtful, and where.
+    """
+
+    photo: Photo
+    segmentation: Segmentation
+    strands: list[Strand]
+    crossings: pd.DataFrame
+    unresolved: pd.DataFrame
+    interactions: pd.DataFrame | None
+    densities: pd.DataFrame | None
+    scale: Scale | None
+    links: dict[Pair, HelixMeasurement] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def scale_sd(self) -> float:
+        """Relative sd of the scale, mean over the strands; 0 without a scale."""
+        if self.scale is None:
+            return 0.0
+        points = np.concatenate([strand.line[::EVERY] for strand in self.strands])
+        return float(self.scale.sd_at(points).mean())
+
+
+def measure(photo: Photo, request: Request | None = None, n_sec: int = 20) -> Measured:
+    """Measure strands, crossings, interactions and link density of one photograph.
+
+    Parameters
+    ----------
+    photo : Photo
+    request : Request, optional
+        Where the scale comes from (`imaging.scale.parse_scale`); none = pixels only.
+    n_sec : int
+        Sections of the curl's axis.
+
+    Raises
+    ------
+    Unmeasurable
+        When nothing stands out, or the scale cannot be found.
+    """
+    scale, photo = calibrate(photo, request)
+    segmentation, strands = _strands(photo)
+    if request is not None and scale is None:
+        scale = from_filament(full_widths(strands), *request.numbers)
+        scale = scale.with_doubt(request.length_sd)
+    table = crossings(strands, segmentation)
+    contacts = unresolved(strands, table)
+    table["contact"] = contact_of(table, contacts)
+    found = dense = None
+    if len(strands) > 1:
+        lines, flat, flat_contacts = _in_plane(strands, table, contacts, scale)
+        found = interactions(lines, n_sec, table=flat, contacts=flat_contacts)
+        dense = _all_densities(lines, flat, flat_contacts, n_sec, _radius(strands))
+    links, winding = wound(photo, segmentation, strands, winding_pairs(table))
+    notes = notes_on(photo, segmentation, strands) + contact_notes(contacts, found)
+    notes += hidden_ends(strands) + doubt_notes(strands) + winding
+    return Measured(
+        photo, segmentation, strands, table, contacts, found, dense, scale, links, notes
+    )
+
+
+def _strands(photo: Photo) -> tuple[Segmentation, list[Strand]]:
+    try:
+        segmentation = segment(photo)
+    except Unmeasurable as error:
+        reason = exposure(photo)
+        raise Unmeasurable(f"{error} ({reason})") if reason else error from None
+    strands = trace(segmentation, photo)
+    if not strands:
+        raise Unmeasurable(f"{photo.source}: what stands out cannot be followed as a strand")
+    return segmentation, strands
+
+
+def _in_plane(
+    strands: list[Strand], table: pd.DataFrame, contacts: pd.DataFrame, scale: Scale | None
+) -> tuple[list[np.ndarray], pd.DataFrame, pd.DataFrame]:
+    """Centrelines, crossings and contacts as seen from straight above, in mean pixels."""
+    lines = [strand.line for strand in strands]
+    if scale is None or scale.plane is None:
+        return lines, table, contacts
+    pixel = scale.metres_per_pixel
+    table, contacts = table.copy(), contacts.copy()
+    for moved, end in ((table, ""), (contacts, "_from"), (contacts, "_to")):
+        columns = [f"x{end}", f"y{end}"]
+        moved[columns] = scale.metres(moved[columns].to_numpy(float)) / pixel
+    return [scale.metres(line) / pixel for line in lines], table, contacts
+
+
+def _radius(strands: list[Strand]) -> float:
+    return float(np.median(np.concatenate([strand.width for strand in strands]))) / 2
+
+
+def _all_densities(
+    lines: list[np.ndarray],
+    table: pd.DataFrame,
+    contacts: pd.DataFrame,
+    n_sec: int,
+    radius: float,
+) -> pd.DataFrame:
+    """Densities by the asked rule, by coarser and finer sections, and without sections."""
+    parts = []
+    for number in sorted({n_sec, *(max(1, round(n_sec * factor)) for factor in OTHER_SECTIONS)}):
+        parts.append(densities(interactions(lines, number, table=table, contacts=contacts)))
+        parts[-1].insert(0, "rule", f"{number} sections")
+    parts.append(densities(events(lines, radius, table=table)))
+    parts[-1].insert(0, "rule", "touching overlaps")
+    return pd.concat(parts, ignore_index=True)
+
+
+def full_widths(strands: Sequence[Strand]) -> np.ndarray:
+    """Median width [px] of each strand of which some place is seen in full width."""
+    whole = [s.width[s.edges == 2] for s in strands]
+    return np.array([np.median(width) for width in whole if len(width)])

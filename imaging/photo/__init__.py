@@ -1,0 +1,5 @@
+"""Pictures as cameras store them -> pixels, upright, with what is to be looked at."""
+
+from imaging.photo.read import Photo, bands, read_photo
+
+__all__ = ["Photo", "bands", "read_photo"]

@@ -1,0 +1,5 @@
+"""Segmentation -> strands: sub-pixel centrelines through crossings."""
+
+from imaging.trace.strands import Strand, trace
+
+__all__ = ["Strand", "trace"]
