@@ -24,6 +24,7 @@ from sim.effects import SOFTNESS
 from sim.energy import directors
 from sim.explicit import Explicit
 from sim.kernels.contact import contact_interval
+from sim.neighbours import rebuild
 from sim.scene import Contact, Damping, End, Helix, Material, Rod, Scene
 from sim.state import centreline
 
@@ -146,7 +147,7 @@ def compare(name, rods, state, contact, goal, peer_steps, our_steps):
     ours_now = march(rods, contact, Damping(drag=DRAG) if contact is not None else None)
     take_positions(ours_now.state, state)
     if contact is not None:
-        ours_now._rebuild()
+        rebuild(ours_now)
     peer = Peer(rods, state, ours_now.dt, between=contact is not None,
                 within=contact is not None and contact.self_contact)  # fmt: skip
     ours_now.advance(1), peer.advance(1)  # compiles

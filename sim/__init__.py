@@ -7,7 +7,8 @@ if TYPE_CHECKING:
     from sim.errors import SceneError, Unstable
     from sim.presets import curl, double_helix
     from sim.run import Run, open_run
-    from sim.scene import Scene, load_scene
+    from sim.scene import Scene
+    from sim.scene_file import load_scene
     from sim.simulate import simulate
     from sim.topology import average_crossing_number, gauss_link, link_density, twist, writhe
 
@@ -20,7 +21,7 @@ _ROOMS = {
     "Run": "run",
     "open_run": "run",
     "Scene": "scene",
-    "load_scene": "scene",
+    "load_scene": "scene_file",
     "simulate": "simulate",
     "average_crossing_number": "topology",
     "gauss_link": "topology",

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.explicit import Explicit
 from sim.kernels import layout
+from sim.marching import Marching
 
 Arrays = dict[str, NDArray[Any]]
 RECIPE = {"scene", "state"}  # the scene makes a march; of the state only the buffer changes
 
 
-def freeze(march: Explicit) -> Arrays:
+def freeze(march: Marching) -> Arrays:
     """Return all that a march holds, by name; views, good until it marches on.
 
     Raises
@@ -31,7 +31,7 @@ def freeze(march: Explicit) -> Arrays:
     return frozen
 
 
-def thaw(march: Explicit, frozen: Arrays) -> None:
+def thaw(march: Marching, frozen: Arrays) -> None:
     """Put what `freeze` returned into a march of the same scene."""
     for name, row in zip(layout.ROW, march.state.used(), strict=True):
         row[:] = frozen[name]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +22,9 @@ from sim.kernels.ends import pull
 from sim.kernels.march import Effects
 from sim.kernels.rod import clear_loads, drift, stretch_and_shear
 from sim.kernels.tine import place, tine_forces
+from sim.marching import Marching
 from sim.state import State, empty_buffer
 from sim.timestep import SPRING
-
-if TYPE_CHECKING:
-    from sim.explicit import Explicit
 
 Array = NDArray[np.float64]
 
@@ -55,7 +53,7 @@ REMEDY = {
 SHORTER = "leave time_step out, or lower safety"
 
 
-def unstable(march: Explicit) -> Unstable:
+def unstable(march: Marching) -> Unstable:
     """Return the error that says what went wrong in the step just taken."""
     state = march.state
     speed = np.linalg.norm(state.rows("V0 V1 V2"), axis=0)
@@ -73,7 +71,7 @@ def unstable(march: Explicit) -> Unstable:
     )  # fmt: skip
 
 
-def _not_a_number(march: Explicit) -> str:
+def _not_a_number(march: Marching) -> str:
     """Return the effect that brought in a value that is not finite; elasticity if none did."""
     effects = march.effects
     given = {
@@ -90,7 +88,7 @@ def _numbers(values: Any) -> Array:
     return np.zeros(0) if values is None else np.asarray(values)
 
 
-def _runaway(march: Explicit, node: int) -> tuple[str, str, str, str]:
+def _runaway(march: Marching, node: int) -> tuple[str, str, str, str]:
     """Return effect, mode, the reason in words, and the remedy for a node that is too fast."""
     if march.state.row("INV_MASS")[node] == 0:
         return MOTION, MOTION, "its prescribed motion is that fast", REMEDY[MOTION]
@@ -114,7 +112,7 @@ def _runaway(march: Explicit, node: int) -> tuple[str, str, str, str]:
     return effect, own, why, REMEDY[effect]
 
 
-def _driver(march: Explicit) -> str | None:
+def _driver(march: Marching) -> str | None:
     """Return what did most of the work, if that is half the motion there is: rods hand it on."""
     effects = march.effects
     sources = {TINE: effects.tines, MOTION: effects.driven, LOAD: effects.pulled}
@@ -125,7 +123,7 @@ def _driver(march: Explicit) -> str | None:
     return largest
 
 
-def _has_neighbours(march: Explicit, node: int) -> bool:
+def _has_neighbours(march: Marching, node: int) -> bool:
     """Tell whether an element beside a node is listed to touch another rod: it may just bounce."""
     contact = march.effects.contact
     if contact is None:
@@ -133,7 +131,7 @@ def _has_neighbours(march: Explicit, node: int) -> bool:
     return bool(np.isin(contact.pairs, (node - 1, node)).any())
 
 
-def _local_limit(march: Explicit, node: int, near: bool) -> tuple[str, float, float]:
+def _local_limit(march: Marching, node: int, near: bool) -> tuple[str, float, float]:
     """Return the stiffest mode beside a node and the stability limit there, without and with
     damping [s].
     """
@@ -154,7 +152,7 @@ def _tine_viscous(effects: Effects) -> float | None:
     return None if effects.tines is None else effects.tines.viscous
 
 
-def by_effect(march: Explicit) -> Iterator[tuple[str, Array]]:
+def by_effect(march: Marching) -> Iterator[tuple[str, Array]]:
     """Yield every effect of the scene and its force on each node in the last step, (3, n) [N]."""
     state, effects = march.state, copy.deepcopy(march.effects)  # friction remembers: not ours
     n, dt, time = state.n, march.dt, march.time - 0.5 * march.dt
@@ -180,7 +178,7 @@ def internal(state: State) -> Array:
     return normal - np.roll(normal, 1, axis=1)
 
 
-def _half_a_step_back(march: Explicit) -> State:
+def _half_a_step_back(march: Marching) -> State:
     """Return a copy of the rods with positions and frames as the last forces saw them."""
     state = march.state
     then = State(empty_buffer(), state.n, state.first, state.elements)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sim.kernels.ledger import contact_energy, tine_energy
+from sim.marching import Marching
 from sim.state import State
-
-if TYPE_CHECKING:
-    from sim.explicit import Explicit
 
 Array = NDArray[np.float64]
 
@@ -37,7 +33,7 @@ def weight_energy(state: State, gravity: tuple[float, float, float]) -> float:
     return -float(np.array(gravity) @ state.rows("X0 X1 X2") @ state.row("MASS"))
 
 
-def books(march: Explicit) -> dict[str, float]:
+def books(march: Marching) -> dict[str, float]:
     """Return what is stored, what was put in and what was lost since the start [J].
 
     `balance` is stored + lost - put in, a constant but for the error of the march. Friction's loss

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.energy import books
-from sim.explicit import Explicit
+from sim.marching import Marching
 
 Columns = dict[str, dict[str, str]]
-Observer = Callable[[Explicit, int], list[float]]
+Observer = Callable[[Marching, int], list[float]]
 
 FORCE: Columns = {
     "time": {"units": "s"},
@@ -20,7 +20,7 @@ FORCE: Columns = {
 }
 
 
-def columns(march: Explicit) -> Columns:
+def columns(march: Marching) -> Columns:
     """Return name and attributes of every value in a sample of this march's scene."""
     table: Columns = {}
     if march.scene.tines:
@@ -32,7 +32,7 @@ def columns(march: Explicit) -> Columns:
     return table
 
 
-def observers(march: Explicit) -> list[Observer]:
+def observers(march: Marching) -> list[Observer]:
     """Return what fills these columns: called with the steps of the window that has just ended."""
     found: list[Observer] = []
     if march.scene.tines:
@@ -49,7 +49,7 @@ class ForceRecorder:
     no tine moves, the force on all of them along their `direction` is recorded.
     """
 
-    def __init__(self, march: Explicit) -> None:
+    def __init__(self, march: Marching) -> None:
         directions = np.array([tine.direction for tine in march.scene.tines])
         moving = np.array([tine.travel > 0 for tine in march.scene.tines])
         self._first = int(np.argmax(moving))
@@ -57,17 +57,17 @@ class ForceRecorder:
         self._along[~moving & moving.any()] = 0.0
         self._travel = self._now(march)
 
-    def _now(self, march: Explicit) -> float:
+    def _now(self, march: Marching) -> float:
         return float(march.tine_travel()[self._first])
 
-    def __call__(self, march: Explicit, steps: int) -> list[float]:
+    def __call__(self, march: Marching, steps: int) -> list[float]:
         """Return a value for each column."""
         before, self._travel = self._travel, self._now(march)
         force = -float(np.sum(march.take_load() * self._along)) / steps
         return [march.time - 0.5 * steps * march.dt, 0.5 * (before + self._travel), force]
 
 
-def energies(march: Explicit, steps: int) -> list[float]:
+def energies(march: Marching, steps: int) -> list[float]:
     """Return the time and the ledger at the end of the window."""
     return [march.time, *books(march).values()]
 
@@ -77,7 +77,7 @@ def due(wanted: int, windows: int) -> set[int]:
     return set(np.linspace(0, windows, max(wanted, 2)).round().astype(int).tolist())
 
 
-def snapshot(march: Explicit) -> NDArray[np.float64]:
+def snapshot(march: Marching) -> NDArray[np.float64]:
     """Return time [s], travel of the first tine [m] and x y z of every node [m], in one row."""
     travel = march.tine_travel()
     head = [march.time, float(travel[0]) if len(travel) else 0.0]

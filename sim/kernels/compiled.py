@@ -23,8 +23,8 @@ FASTMATH = {"contract", "arcp", "nsz", "reassoc", "afn"}
 def source_digest(folder: Path) -> str:
     """Return a hash of every Python source in `folder` and of the numba version."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(folder.glob("*.py")):
-        digest.update(source.name.encode() + b"\0" + source.read_bytes())
+    for source in sorted(folder.rglob("*.py")):
+        digest.update(str(source.relative_to(folder)).encode() + b"\0" + source.read_bytes())
     return digest.hexdigest()[:16]
 
 

@@ -10,8 +10,8 @@ import pytest
 import sim
 from sim.diagnosis import by_effect, internal
 from sim.explicit import Explicit
+from sim.guards.passing import ROOM, deep_pairs
 from sim.kernels.march import Gravity
-from sim.passing import ROOM, deep_pairs
 from sim.scene import (
     Contact,
     Damping,

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sim.energy import directors
 from sim.errors import Unstable
-
-if TYPE_CHECKING:
-    from sim.explicit import Explicit
+from sim.marching import Marching
 
 
-def wound_up(march: Explicit) -> Unstable:
+def wound_up(march: Marching) -> Unstable:
     """Return the error that says which element has turned by half a turn against the one before."""
     state = march.state
     frames = directors(state, slice(0, state.n))

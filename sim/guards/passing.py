@@ -4,43 +4,37 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sim.errors import Unstable
 from sim.kernels import passing as kernels
+from sim.marching import Marching, Pairs, no_pairs
 from sim.timestep import BENDING, SPRING
 
-if TYPE_CHECKING:
-    from sim.explicit import Explicit
-
-Pairs = NDArray[np.int64]
 ROOM = 16  # pairs at first; a contact that gives way is one of a few
-NONE = np.zeros((0, 2), np.int64)
 NEXT_TO = 2  # elements: as far as an overlap slides along a strand between two looks
 
 
-def deep_pairs(march: Explicit) -> Pairs:
+def deep_pairs(march: Marching) -> Pairs:
     """Return the pairs of elements nearer than half the contact distance, (m, 2)."""
     if march.contact is None:
-        return NONE
+        return no_pairs()
     return _all_of(kernels.deep_pairs, march)
 
 
-def tight_bends(march: Explicit) -> Pairs:
+def tight_bends(march: Marching) -> Pairs:
     """Return the pairs of elements between which a rod is bent through itself, (m, 2).
 
     Only where rods may touch themselves.
     """
     contact = march.contact
     if contact is None or math.isinf(contact.self_gap):
-        return NONE
+        return no_pairs()
     return _all_of(kernels.tight_bends, march)
 
 
-def _all_of(find: Callable[..., int], march: Explicit) -> Pairs:
+def _all_of(find: Callable[..., int], march: Marching) -> Pairs:
     """Return all pairs that a kernel finds, making room when there are more than expected."""
     room = ROOM
     while True:
@@ -62,7 +56,7 @@ def newcomer(now: Pairs, before: Pairs) -> tuple[int, int] | None:
     return None
 
 
-def passing_through(march: Explicit, a: int, b: int) -> Unstable:
+def passing_through(march: Marching, a: int, b: int) -> Unstable:
     """Return the error that says which two elements are on their way through each other."""
     state, contact = march.state, march.contact
     assert contact is not None
@@ -85,7 +79,7 @@ def passing_through(march: Explicit, a: int, b: int) -> Unstable:
     )  # fmt: skip
 
 
-def bent_through(march: Explicit, a: int, b: int) -> Unstable:
+def bent_through(march: Marching, a: int, b: int) -> Unstable:
     """Return the error that says where a rod is bent so tightly that it passes through itself."""
     state, contact = march.state, march.contact
     assert contact is not None

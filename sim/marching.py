@@ -1,0 +1,109 @@
+"""A scene at one instant as plain data: what march, guards, energy and diagnosis read and write."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim import effects, timestep
+from sim.kernels.contact import Contact, Friction
+from sim.kernels.march import Effects
+from sim.kernels.tine import Tines
+from sim.scene import Scene
+from sim.state import State, build
+
+Pairs = NDArray[np.int64]
+
+
+def no_pairs() -> Pairs:
+    """Return an empty list of pairs of elements, (0, 2)."""
+    return np.zeros((0, 2), np.int64)
+
+
+@dataclass
+class Marching:
+    """A scene on its way through time.
+
+    Attributes
+    ----------
+    scene : Scene
+        What was asked for.
+    state : State
+        Rods as they are now.
+    effects : Effects
+        What acts on them, for the kernels.
+    limit : float
+        Stability limit of the time step [s].
+    dt : float
+        Time step [s].
+    steps : int
+        Steps taken since the start.
+    deep, tight : (m, 2) int64
+        Pairs of elements on their way through each other, other rods and one rod bent, when the
+        guards last looked.
+    """
+
+    scene: Scene
+    state: State
+    effects: Effects
+    limit: float
+    dt: float
+    steps: int = 0
+    deep: Pairs = field(default_factory=no_pairs)
+    tight: Pairs = field(default_factory=no_pairs)
+
+    @property
+    def time(self) -> float:
+        """Time since the start [s]."""
+        return self.steps * self.dt
+
+    @property
+    def contact(self) -> Contact | None:
+        """Contact between rods with its neighbour list, if the scene has it."""
+        return self.effects.contact
+
+    @property
+    def tines(self) -> Tines | None:
+        """The tines as they are now, if there are any."""
+        return self.effects.tines
+
+    @property
+    def friction(self) -> Friction | None:
+        """Friction between rods, if the scene has it."""
+        return self.effects.friction
+
+    def tine_travel(self) -> np.ndarray:
+        """Return how far every tine has moved [m], (m,)."""
+        return self.tines.now[:, 0].copy() if self.tines is not None else np.zeros(0)
+
+    def take_load(self) -> np.ndarray:
+        """Return the sum over steps of the force on each tine [N], (m, 3), and start a new sum."""
+        if self.tines is None:
+            return np.zeros((0, 3))
+        load = self.tines.load.copy()
+        self.tines.load[:] = 0
+        return load
+
+
+def begin(scene: Scene, dt: float | None = None) -> Marching:
+    """Return a scene at its start, its neighbour list still empty.
+
+    Parameters
+    ----------
+    scene : Scene
+    dt : float, optional
+        Take this time step [s], unchecked; else `timestep.choose_step`.
+
+    Raises
+    ------
+    SceneError
+        The scene cannot be laid out, or asks for an unstable time step.
+    """
+    state = build(scene)
+    limit = timestep.stable_step(
+        state, effects.stiffness(scene), effects.viscous(scene), effects.tine_viscous(scene)
+    )
+    step = timestep.choose_step(scene, limit) if dt is None else dt
+    return Marching(scene, state, effects.all_effects(scene, state, step), limit, step)
