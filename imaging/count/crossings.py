@@ -74,7 +74,8 @@ def crossings(
     lines = [_line(strand) for strand in strands]
     hits = _resolved(_intersections(lines), lines, [_spread(strand) for strand in strands])
     verdicts = [_over(hit, strands, lines, segmentation) for hit in hits]
-    table = pd.DataFrame(hits, columns=Hit._fields)
+    kinds = Hit.__annotations__  # a table without rows has them too
+    table = pd.DataFrame(hits, columns=Hit._fields).astype(kinds)
     table["kind"] = np.where(table["strand_a"] == table["strand_b"], "self", "inter")
     table["over"] = pd.array([over for over, _ in verdicts], dtype="Int64")
     table["confidence"] = np.array([sure for _, sure in verdicts], float)

@@ -23,10 +23,11 @@ FARTHEST = 2.0  # strand widths; farther apart nothing is in contact, whatever t
 BREAK = 1.0  # strand widths by which a stretch may be interrupted
 LONG = 10.0  # strand widths; in a longer stretch one crossing is not placed, and may be three
 FOLD = 4.0  # strand widths along a strand within which it is always near itself
-COLUMNS = [
-    "strand_a", "strand_b", "kind", "crossings", "s_a_from", "s_a_to", "s_b_from", "s_b_to",
-    "x_from", "y_from", "x_to", "y_to",
-]  # fmt: skip
+COLUMNS = {
+    "strand_a": int, "strand_b": int, "kind": object, "crossings": int, "s_a_from": float,
+    "s_a_to": float, "s_b_from": float, "s_b_to": float, "x_from": float, "y_from": float,
+    "x_to": float, "y_to": float,
+}  # fmt: skip
 
 
 class Near(NamedTuple):
@@ -61,7 +62,7 @@ def unresolved(strands: Sequence[Strand], table: pd.DataFrame) -> pd.DataFrame:
     with none held two in 19 of 44 where the lines came within one sd, and in none of 120 otherwise.
     """
     if not strands:
-        return pd.DataFrame(columns=COLUMNS)
+        return _typed([])
     width = float(np.median(np.concatenate([strand.width for strand in strands])))
     trees = [cKDTree(strand.line) for strand in strands]
     rows = []
@@ -72,8 +73,13 @@ def unresolved(strands: Sequence[Strand], table: pd.DataFrame) -> pd.DataFrame:
             row = _row(stretch, strands[a].line, strands[b].line, own)
             if _is_unresolved(row, stretch, width):
                 rows.append({"strand_a": a + 1, "strand_b": b + 1, **row})
-    kind = ["self" if row["strand_a"] == row["strand_b"] else "inter" for row in rows]
-    return pd.DataFrame(rows, columns=COLUMNS).assign(kind=np.array(kind, object))
+    kinds = {True: "self", False: "inter"}
+    return _typed([{**row, "kind": kinds[row["strand_a"] == row["strand_b"]]} for row in rows])
+
+
+def _typed(rows: list[dict]) -> pd.DataFrame:
+    """Table of rows; one without any has the same types in its columns."""
+    return pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
 
 
 def _near(a: Strand, b: Strand, tree_a: cKDTree, tree_b: cKDTree, width: float) -> Near:

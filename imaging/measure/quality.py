@@ -86,6 +86,8 @@ def edge_blur(photo: Photo, width: float, strands: Sequence[Strand]) -> float:
     found = []
     for strand in strands:
         rows = np.flatnonzero(strand.edges == 2)[::5]
+        if len(rows) == 0:
+            continue
         points, across = strand.line[rows], normals(strand.line)[rows]
         for side in (-1, 1):
             at = [points[:, i] + side * steps * across[:, i] for i in (1, 0)]
@@ -93,8 +95,8 @@ def edge_blur(photo: Photo, width: float, strands: Sequence[Strand]) -> float:
                    for c in range(3)]  # fmt: skip
             colour = cv2.cvtColor(np.stack(rgb, axis=-1) / full, cv2.COLOR_RGB2Lab)
             contrast = np.linalg.norm(colour - colour[-1:], axis=-1)
-            slope = -np.diff(contrast, axis=0).min(axis=0, initial=0) / (STEP * width)
-            found.append(contrast.max(axis=0, initial=0) / np.maximum(slope, 1e-6))
+            slope = -np.diff(contrast, axis=0).min(axis=0) / (STEP * width)
+            found.append(contrast.max(axis=0) / np.maximum(slope, 1e-6))
     rise = np.concatenate(found) if found else np.empty(0)
     return float(np.median(rise)) / np.sqrt(2 * np.pi) if len(rise) else 0.0
 

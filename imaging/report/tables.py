@@ -156,7 +156,7 @@ def _heading(place: np.ndarray, width: np.ndarray) -> np.ndarray:
 def densities_table(found: pd.DataFrame | None, measured: Measured, name: str) -> pd.DataFrame:
     """Return interactions or densities with the unit in the columns' names."""
     if found is None:
-        return pd.DataFrame(columns=["photo", "N", "count", "density_per_px"])
+        found = pd.DataFrame({"N": [], "count": [], "density": []}).astype({"N": int, "count": int})
     table = found.rename(columns={"density": "density_per_px"})
     if measured.scale is not None:
         per_metre = 1 / measured.scale.metres_per_pixel
@@ -173,7 +173,8 @@ def densities_table(found: pd.DataFrame | None, measured: Measured, name: str) -
 def link_table(measured: Measured, name: str) -> pd.DataFrame:
     """Return lambda(s) with R for every pair of strands that wind; no rows where none do."""
     if not measured.links:
-        return pd.DataFrame(columns=["photo", *LINK_COLUMNS])
+        empty = pd.DataFrame({column: np.empty(0) for column in LINK_COLUMNS})
+        return _finished(empty.astype({"strand_a": int, "strand_b": int}), measured, name)
     parts = [
         _link_rows(helix, measured).assign(strand_a=a, strand_b=b)
         for (a, b), helix in measured.links.items()
@@ -216,7 +217,7 @@ def _link_rows(helix: HelixMeasurement, measured: Measured) -> pd.DataFrame:
 def _finished(table: pd.DataFrame, measured: Measured, name: str) -> pd.DataFrame:
     """Put the photograph's name first and, with a scale, its relative sd last."""
     table = table.copy()
-    table.insert(0, "photo", name)
+    table.insert(0, "photo", pd.Series(name, table.index, str))
     return table if measured.scale is None else table.assign(scale_sd=measured.scale_sd)
 
 

@@ -90,8 +90,12 @@ def ground_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> Ground:
         weight = (hidden < 0.01).astype(np.float32)
     surface, weight = _robust_quadratic(small, weight)
     rest = _local_mean(small - surface, weight, sigma=0.08 * min(small.shape[:2]))
+    surface += rest
+    np.clip(
+        surface[..., 0], 0, 100, out=surface[..., 0]
+    )  # a parabola may leave what light there is
     rows = max(len(small), 2)  # to lie between
-    return Ground(cv2.resize(surface + rest, (width, rows)), height)
+    return Ground(cv2.resize(surface, (width, rows)), height)
 
 
 def _robust_quadratic(small: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -133,7 +133,7 @@ def _taken_apart(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Share of the ground and of the strand itself in each sample, (n, m) both."""
     colours = sample(picture, sight.points)
-    mine = np.clip(_dot(colours, own[:, None]) / _dot(own, own)[:, None], 0, 1)
+    mine = np.clip(_dot(colours, own[:, None]) / _square(own)[:, None], 0, 1)
     left = _norm(colours - mine[..., None] * own[:, None])
     ground = 1 - mine
     for other in others:
@@ -169,7 +169,7 @@ def _shares(
     colours: np.ndarray, first: np.ndarray, second: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Least-squares shares a, b >= 0, a + b <= 1 of two colours, and the distance left (n,)."""
-    p, q, r = _dot(first, first), _dot(first, second), _dot(second, second)
+    p, q, r = _square(first), _dot(first, second), _square(second)
     u, v = _dot(colours, first), _dot(colours, second)
     free = np.maximum(p * r - q * q, 1e-6 * p * r)
     a, b = (r * u - q * v) / free, (p * v - q * u) / free
@@ -187,6 +187,10 @@ def _shares(
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.einsum("...i,...i", a, b)
+
+
+def _square(a: np.ndarray) -> np.ndarray:
+    return np.maximum(_dot(a, a), 1e-6)  # a strand may have the ground's colour
 
 
 def _norm(a: np.ndarray) -> np.ndarray:

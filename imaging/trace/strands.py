@@ -219,7 +219,7 @@ def _choices(
         first, last = np.searchsorted(colours, [colour, colour + 1]).tolist()
         paths, own_ends = [path for path, _ in pieces[first:last]], ends[2 * first : 2 * last]
         broad = broad_parts(labels == colour + 1, width)
-        double = stems(own_ends, width) | [is_in(path, broad) for path in paths]
+        double = stems(own_ends, width) | np.array([is_in(path, broad) for path in paths], bool)
         single = [path for path, two in zip(paths, double, strict=True) if not two]
         own = np.greater(drawn(single, labels.shape, width), broad)
         apart = [

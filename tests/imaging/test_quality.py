@@ -5,8 +5,8 @@ import pytest
 from drawn.strands import Look, render
 from scipy import ndimage
 
-from imaging import Photo, segment, trace
-from imaging.measure.quality import notes_on
+from imaging import Photo, Strand, segment, trace
+from imaging.measure.quality import edge_blur, notes_on
 
 SHAPE = (260, 300)
 
@@ -24,3 +24,16 @@ def test_texture_of_the_ground_is_named(grain, said):
     found = segment(photo)
     notes = notes_on(photo, found, trace(found))
     assert any("ground varies" in note for note in notes) == said
+
+
+def test_a_strand_none_of_whose_edges_is_seen_takes_no_note_down():
+    """The rim of a half-black picture is followed, and shows both edges nowhere."""
+    pixels = np.full((200, 300, 3), 255, np.uint8)
+    pixels[:100] = 0
+    photo = Photo(pixels)
+    found = segment(photo)
+    line = np.stack([np.linspace(20, 280, 200), np.full(200, 100.0)], axis=1)
+    nothing = np.zeros(200, int)
+    strand = Strand(line, np.full(200, 5.0), np.ones(200), nothing, nothing, ("free", "free"))
+    assert edge_blur(photo, found.width, [strand]) == 0
+    notes_on(photo, found, [strand])
