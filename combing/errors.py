@@ -1,5 +1,7 @@
 """What a user is told when an input is at fault, and how the command line knows it."""
 
+SOME_LEFT_OUT = 3  # exit code: done, but for parts whose input is at fault
+
 
 class UserError(Exception):
     """An input is wrong; one line says which, where, the value found and what would be right.

@@ -1,6 +1,7 @@
 """Photographs as a user names them: files, folders, patterns; and their scale for a comparison."""
 
 import glob
+import hashlib
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -102,6 +103,11 @@ def measured_only(
     if found and not places:
         raise UserError(f"none of the photographs could be measured: {notes[0]}")
     return places, [one for one in found if not isinstance(one, Refused)], notes
+
+
+def content_of(photo: imaging.Photo) -> str:
+    """Return a hash of a photograph's pixels, whatever its file is called."""
+    return hashlib.sha256(photo.pixels.tobytes()).hexdigest()
 
 
 def read_to_scale(

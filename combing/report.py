@@ -77,6 +77,8 @@ def write_report(
 
 def shown(value: Any, digits: int = 3) -> str:
     """Write a number with `digits` significant ones, a missing one as a dash."""
+    if value is pd.NA:
+        return "–"
     if not isinstance(value, float):
         return str(value)
     if math.isnan(value):

@@ -1,22 +1,18 @@
 """Simulate scenes side by side, once each: a run that is on disk already is not run again."""
 
 import hashlib
-import os
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_EXCEPTION, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
-from functools import cache, partial
-from multiprocessing import get_context
+from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar, cast
 
 from tqdm import tqdm
 
 import sim
+from combing.workers import Crew, cores
 
 Key = TypeVar("Key")
-POLL = 0.2  # seconds between two looks at the progress of the runs
-_fractions: Any = None
 
 
 @cache
@@ -36,9 +32,9 @@ def run_name(scene: sim.Scene) -> str:
 
 
 @contextmanager
-def simulating(
+def trying(
     scenes: Mapping[Key, sim.Scene], folder: Path, *, jobs: int | None = None, quiet: bool = False
-) -> Iterator[Callable[[], dict[Key, sim.Run]]]:
+) -> Iterator[Callable[[], dict[Key, sim.Run | Exception]]]:
     """Simulate scenes in processes of their own while the block does something else.
 
     Parameters
@@ -55,70 +51,61 @@ def simulating(
     Yields
     ------
     callable
-        Waits for the runs, showing progress, and returns them by the keys of `scenes`. It raises
-        what a scene raises (sim.SceneError, sim.Unstable); finished runs stay on disk, and those
-        that were on their way go on from there the next time.
+        Waits for the runs, showing progress, and returns them by the keys of `scenes`; in place of
+        a run what its scene raised (sim.SceneError, sim.Unstable). Finished runs stay on disk, and
+        those that were on their way go on from there the next time.
     """
     paths = {key: folder / run_name(scene) for key, scene in scenes.items()}
     missing = {paths[key]: scene for key, scene in scenes.items() if not paths[key].exists()}
+    failed: dict[Path, Exception] = {}
 
-    def opened() -> dict[Key, sim.Run]:
-        return {key: sim.open_run(path) for key, path in paths.items()}
+    def opened() -> dict[Key, sim.Run | Exception]:
+        return {key: failed.get(path) or sim.open_run(path) for key, path in paths.items()}
 
     if not missing:
         yield opened
         return
-    context = get_context("spawn")
-    fractions = context.Array("d", len(missing))
-    workers = min(len(missing), jobs or os.cpu_count() or 1)
-    with ProcessPoolExecutor(workers, context, _adopt, (fractions,)) as pool:
-        futures = [
-            pool.submit(_simulate, number, scene, path)
-            for number, (path, scene) in enumerate(missing.items())
-        ]
+    crew = Crew(missing, min(len(missing), jobs or cores()))
+
+    def finished() -> dict[Key, sim.Run | Exception]:
+        _watch(crew, len(missing), failed, quiet)
+        return opened()
+
+    try:
+        yield finished
+    except BaseException:
+        crew.stop()
+        raise
+    crew.dismiss()
+
+
+@contextmanager
+def simulating(
+    scenes: Mapping[Key, sim.Scene], folder: Path, *, jobs: int | None = None, quiet: bool = False
+) -> Iterator[Callable[[], dict[Key, sim.Run]]]:
+    """As `trying`, but what a scene raises is raised when all have ended."""
+    with trying(scenes, folder, jobs=jobs, quiet=quiet) as wait:
 
         def finished() -> dict[Key, sim.Run]:
-            _watch(futures, fractions, quiet)
-            return opened()
+            found = wait()
+            for outcome in found.values():
+                if isinstance(outcome, Exception):
+                    raise outcome
+            return cast(dict[Key, sim.Run], found)
 
-        try:
-            yield finished
-        except BaseException:
-            _stop(pool)
-            raise
-
-
-def _stop(pool: ProcessPoolExecutor) -> None:
-    """Stop simulations in mid-run: what they would find is not wanted any more."""
-    processes = list(pool._processes.values())
-    for process in processes:
-        process.kill()
-    for process in processes:
-        process.join()
-    pool.shutdown(wait=False, cancel_futures=True)
+        yield finished
 
 
-def _watch(futures: list[Future], fractions: Any, quiet: bool) -> None:
-    total = len(futures)
+def _watch(crew: Crew, total: int, failed: dict[Path, Exception], quiet: bool) -> None:
     layout = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
     name = f"simulating {total} scene{'s' if total > 1 else ''}"
     with tqdm(total=100.0, desc=name, bar_format=layout, mininterval=1, disable=quiet) as bar:
-        running = set(futures)
-        while running:
-            done, running = wait(running, timeout=POLL, return_when=FIRST_EXCEPTION)
-            for future in done:
-                future.result()
-            bar.update(100 * sum(fractions) / total - bar.n)
 
+        def ended(path: Path, error: Exception | None) -> None:
+            if error is not None:
+                failed[path] = error
 
-def _adopt(fractions: Any) -> None:
-    global _fractions
-    _fractions = fractions
+        def look() -> None:
+            bar.update(100 * crew.fraction - bar.n)
 
-
-def _simulate(number: int, scene: sim.Scene, path: Path) -> None:
-    sim.simulate(scene, path, progress=partial(_report, number))
-
-
-def _report(number: int, fraction: float) -> None:
-    _fractions[number] = fraction
+        crew.wait(look, ended)

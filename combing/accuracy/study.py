@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from combing.accuracy.cantilever import Cantilever
@@ -21,7 +20,6 @@ COLUMNS = [
 ]  # fmt: skip
 FINER_IS_LARGER = {"elements": True, "stiffness": True, "safety": False, "speed": False}
 IMPERFECTION = 0.02  # of the helix's curvature, in the ensemble
-SCATTER = 0.5  # in log(error), about a power law that is worth stating
 
 
 class Series(NamedTuple):
@@ -137,16 +135,3 @@ def _best(series: Series, results: Mapping[Problem, Measurement]) -> Problem:
 
 def _relative(quantity: float | None, reference: float | None) -> float:
     return quantity / reference - 1 if quantity and reference else math.nan
-
-
-def slope(rows: pd.DataFrame) -> float:
-    """Return d log|error| / d log(value) over the rows of a series.
-
-    NaN where there are fewer than three, or where they follow no power law within SCATTER.
-    """
-    used = rows[rows["error"].abs() > 0]
-    if len(used) < 3:
-        return math.nan
-    x, y = np.log(used["value"]), np.log(used["error"].abs())
-    (found, _), residuals, *_ = np.polyfit(x, y, 1, full=True)
-    return float(found) if residuals[0] < SCATTER**2 * len(used) else math.nan

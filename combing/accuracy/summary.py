@@ -9,8 +9,8 @@ from importlib import metadata
 
 import pandas as pd
 
-from combing.accuracy.study import slope
 from combing.accuracy.teeth import Parting
+from combing.power_law import slope
 
 
 def summary(table: pd.DataFrame, peaks: pd.DataFrame, parting: Parting) -> list[str]:

@@ -7,7 +7,9 @@ from pathlib import Path
 import click
 import pandas as pd
 
+from combing.commands.compare import exit_with
 from combing.errors import UserError
+from combing.spoken import said_aloud
 from combing.study import load_study
 
 
@@ -35,10 +37,12 @@ def command(output: Path, jobs: int | None, quiet: bool) -> None:
     study = load_study(data_folder() / "study.toml")
     from combing.compare import compare
 
-    result = compare(study, output, jobs=jobs, quiet=quiet)
+    with said_aloud("combing", quiet=quiet):
+        result = compare(study, output, jobs=jobs, quiet=quiet)
     for line in error_lines(result.errors):
         click.echo(line)
     click.echo(f"report: {result.report.resolve()}")
+    exit_with(result.left_out)
 
 
 def data_folder() -> Path:

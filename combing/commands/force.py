@@ -165,7 +165,8 @@ def _summary_text(
     table = _per_repeat(curves, result)
     text = table.to_string(index=False, float_format=lambda v: f"{v:.5g}")
     noise, relative = max(c.attrs["f_noise"] for c in curves), curves[0].attrs["f_relative"]
-    text += f"\nstandard uncertainty of f: {noise:.2g} from noise, {relative:.2%} from r and E"
+    stated = f"{relative:.2%} from r and E" if relative else "that of r and E is not stated"
+    text += f"\nstandard uncertainty of f: {noise:.2g} from noise, {stated}"
     if result is not None:
         text += "\n\nover the repeats (interval of the mean at 95 %)\n"
         text += result.summary.to_string(float_format=lambda v: f"{v:.5g}")

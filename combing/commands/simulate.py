@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import logging
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +12,7 @@ import pandas as pd
 from tqdm import tqdm
 
 from combing.errors import UserError
+from combing.spoken import said_aloud
 
 if TYPE_CHECKING:
     from sim import Run, Scene
@@ -138,7 +136,7 @@ def _run(scene: Scene, output: Path, quiet: bool, fresh: bool) -> Run:
             bar.initial = 100 * done
         bar.update(100 * done - bar.n)
 
-    with _spoken(quiet), bar:
+    with said_aloud("sim", quiet=quiet), bar:
         try:
             return simulate(scene, output / "run.nc", progress=progress, resume=not fresh)
         except KeyboardInterrupt:
@@ -151,20 +149,6 @@ def _how_to_go_on(output: Path) -> str:
     if not (output / "run.nc.part" / "checkpoint.npz").exists():
         return "there is no checkpoint yet, the same command begins anew"
     return f"the same command goes on from {output / 'run.nc.part'}, --fresh begins anew"
-
-
-@contextmanager
-def _spoken(quiet: bool) -> Iterator[None]:
-    """Print what the solver says of its own accord on standard error."""
-    log, handler = logging.getLogger("sim"), logging.StreamHandler()
-    before = log.level
-    log.setLevel(logging.WARNING if quiet else logging.INFO)
-    log.addHandler(handler)
-    try:
-        yield
-    finally:
-        log.removeHandler(handler)
-        log.setLevel(before)
 
 
 def _write(run: Run, output: Path) -> dict[str, Any]:

@@ -1,10 +1,11 @@
 """The bench: measure everything a study names, compare it, draw it, and write it down."""
 
+import logging
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -12,25 +13,25 @@ import pandas as pd
 from tqdm import tqdm
 
 import sim
-from combing.compare.comparison import Comparison, all_errors, joined
-from combing.compare.curl import compare_curl, measure_curl
-from combing.compare.force import compare_force, measure_force
-from combing.compare.link import compare_link, measure_link
+from combing.compare.comparison import Comparison, Findings, all_errors, joined
+from combing.compare.holdings import holdings, overlooked, shared, spoken
+from combing.compare.jobs import Job, all_jobs
 from combing.compare.pages import write_pages
-from combing.errors import UserError
-from combing.photographs import Refused, tried
-from combing.runs import simulating
+from combing.errors import UserError, is_users_fault
+from combing.runs import trying
 from combing.study import Study
 
 T = TypeVar("T")
+log = logging.getLogger("combing")
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a comparison leaves: where the report is, and the comparisons by kind."""
+    """What a comparison leaves: where the report is, the comparisons by kind, what is missing."""
 
     report: Path
     comparisons: dict[str, Comparison]
+    left_out: list[str] = field(default_factory=list)
 
     @property
     def errors(self) -> pd.DataFrame:
@@ -41,9 +42,11 @@ class Result:
 def compare(study: Study, out: Path, *, jobs: int | None = None, quiet: bool = False) -> Result:
     """Carry out a study and write figures, tables and the report into `out`.
 
-    Strategy: the scenes are simulated in processes of their own while the photographs and logs
-    are measured here. Runs are kept in ``out/runs`` and used again; everything else is written
-    to a temporary folder and moved into place when all of it is done.
+    Strategy: the sets are checked, then the scenes are simulated in processes of their own while
+    the photographs and logs are measured here. What is wrong with one set stops that set alone; the
+    result says so. Runs are kept in ``out/runs`` and used again; everything else is written to a
+    temporary folder and moved into place when all of it is done. What every set holds is logged on
+    the logger ``combing``.
 
     Parameters
     ----------
@@ -59,80 +62,103 @@ def compare(study: Study, out: Path, *, jobs: int | None = None, quiet: bool = F
     Raises
     ------
     Exception
-        Whatever an instrument says of an input that is at fault.
+        Whatever an instrument says of an input that is at fault, when nothing is left to compare.
     """
     if out.exists() and not out.is_dir():
         raise UserError(f"{out}: is a file; -o wants a folder")
-    scenes = {path: sim.load_scene(path) for path in study.simulations if path.suffix != ".nc"}
     runs = {path: sim.open_run(path) for path in study.simulations if path.suffix == ".nc"}
-    with _tidy_after_failure(out), simulating(scenes, out / "runs", jobs=jobs, quiet=quiet) as wait:
-        measured = _measure(study, quiet)
-        runs |= wait()
-        comparisons = _compare(study, measured, runs)
-        return Result(_write(study, comparisons, runs, out), comparisons)
+    scenes = {path: sim.load_scene(path) for path in study.simulations if path not in runs}
+    with _tidy_after_failure(out):
+        bench = _Bench(all_jobs(study), scenes | {path: run.scene for path, run in runs.items()})
+        wanted = {path: scenes[path] for path in bench.scenes if path in scenes}
+        with trying(wanted, out / "runs", jobs=jobs, quiet=quiet) as wait:
+            bench.measure(quiet)
+            found = bench.compare(runs | wait(), [*overlooked(study), *shared(study)])
+        return Result(_write(study, found, out), found.comparisons, found.left_out)
 
 
-@dataclass(frozen=True)
-class _Measured:
-    """What was measured of the experiment, in the order of the study."""
+class _Bench:
+    """The jobs that are still well, and what was found out about each."""
 
-    force: list[list[pd.DataFrame]]
-    before: list[pd.DataFrame | Refused | None]
-    link: list[list[pd.DataFrame | Refused]]
-    curl: list[list[pd.DataFrame | Refused]]
+    def __init__(self, jobs: Sequence[Job], scenes: Mapping[Path, sim.Scene]) -> None:
+        self._left_out: list[str] = []
+        self._first: Exception | None = None
+        self._measured: dict[int, Any] = {}
+        self._notes: dict[int, list[str]] = {}
+        self._jobs = dict(enumerate(jobs))
+        for number, job in list(self._jobs.items()):
+            self._tried(number, self._notes, job.check, scenes)
+
+    @property
+    def scenes(self) -> list[Path]:
+        """Scenes and runs of the sets that are still well."""
+        named = (path for job in self._jobs.values() for path in job.chosen.scenes)
+        return list(dict.fromkeys(named))
+
+    def measure(self, quiet: bool) -> None:
+        total = sum(job.photographs for job in self._jobs.values())
+        label = "measuring photographs"
+        with tqdm(total=total, desc=label, disable=quiet or not total) as bar:
+            for number, job in list(self._jobs.items()):
+                self._tried(number, self._measured, job.measure, bar.update)
+
+    def compare(
+        self, outcomes: Mapping[Path, sim.Run | Exception], notes: Sequence[str]
+    ) -> Findings:
+        runs = {path: run for path, run in outcomes.items() if isinstance(run, sim.Run)}
+        found: dict[int, Comparison] = {}
+        counts = []
+        for number, job in list(self._jobs.items()):
+            failed = [path for path in job.chosen.scenes if path not in runs]
+            self._left_out += [
+                f"{job.kind} {job.chosen.name!r}, {path.name}: {outcomes[path]}" for path in failed
+            ]
+            there = [path for path in job.chosen.scenes if path in runs]
+            counted = job.count(self._measured[number]) | {"runs": len(there)}
+            counts.append((job.kind, job.chosen.name, counted))
+            log.info("%s", spoken(*counts[-1]))
+            self._tried(number, found, job.compare, self._measured[number], there, runs)
+            if number in found:
+                found[number].notes.extend(self._notes[number])
+        if not found:
+            self._give_up()
+        kinds = dict.fromkeys(self._jobs[number].kind for number in found)
+        comparisons = {
+            kind: joined(one for number, one in found.items() if self._jobs[number].kind == kind)
+            for kind in kinds
+        }
+        used = {path: runs[path] for path in self.scenes if path in runs}
+        return Findings(comparisons, used, holdings(counts), self._left_out, list(notes))
+
+    def _tried(self, number: int, into: dict[int, T], step: Callable[..., T], *given: Any) -> None:
+        """Do a step of a job; one that cannot be done ends the job."""
+        job = self._jobs[number]
+        try:
+            into[number] = step(*given)
+        except Exception as error:
+            if not is_users_fault(error):
+                raise
+            self._first = self._first or error
+            self._left_out.append(f"{job.kind} {job.chosen.name!r}: {error}")
+            del self._jobs[number]
+            if not self._jobs:
+                self._give_up()
+
+    def _give_up(self) -> None:
+        """Raise what went wrong first: there is nothing to report."""
+        assert self._first is not None  # noqa: S101
+        if len(self._left_out) == 1:
+            raise self._first
+        others = "; ".join(self._left_out[1:])
+        raise UserError(f"{self._first}; nothing is left to compare: {others}") from self._first
 
 
-def _measure(study: Study, quiet: bool) -> _Measured:
-    force = [measure_force(one) for one in study.force]
-    photos = sum(len(one.photos) + bool(one.before) for one in study.link)
-    photos += sum(len(one.photos) for one in study.curl)
-    with tqdm(total=photos, desc="measuring photographs", disable=quiet or not photos) as bar:
-
-        def counted(function: Callable[..., T], *arguments: Any) -> T | Refused:
-            result = tried(function, *arguments)
-            bar.update()
-            return result
-
-        return _Measured(
-            force,
-            [counted(measure_link, one.before, one) if one.before else None for one in study.link],
-            [[counted(measure_link, photo, one) for photo in one.photos] for one in study.link],
-            [
-                [counted(measure_curl, photo, one, study.n_sec) for photo in one.photos]
-                for one in study.curl
-            ],
-        )
-
-
-def _compare(
-    study: Study, measured: _Measured, runs: Mapping[Path, sim.Run]
-) -> dict[str, Comparison]:
-    found = {}
-    if study.force:
-        pairs = zip(study.force, measured.force, strict=True)
-        found["force"] = joined(compare_force(one, curves, runs) for one, curves in pairs)
-    if study.link:
-        rows = zip(study.link, measured.before, measured.link, strict=True)
-        found["link"] = joined(compare_link(one, old, seen, runs) for one, old, seen in rows)
-    if study.curl:
-        photographed = zip(study.curl, measured.curl, strict=True)
-        found["interactions"] = joined(
-            compare_curl(one, seen, runs, study.n_sec) for one, seen in photographed
-        )
-    return found
-
-
-def _write(
-    study: Study,
-    comparisons: Mapping[str, Comparison],
-    runs: Mapping[Path, sim.Run],
-    out: Path,
-) -> Path:
+def _write(study: Study, found: Findings, out: Path) -> Path:
     """Write into a temporary folder beside the results, then move every file into place."""
     out.mkdir(parents=True, exist_ok=True)
     room = Path(tempfile.mkdtemp(prefix=".partial-", dir=out))
     try:
-        write_pages(study, comparisons, runs, room)
+        write_pages(study, found, room)
         for path in room.iterdir():
             path.replace(out / path.name)
     finally:

@@ -2,8 +2,11 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pandas as pd
+
+import sim
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,31 @@ class Comparison:
     errors: pd.DataFrame = field(default_factory=pd.DataFrame)
     notes: list[str] = field(default_factory=list)
     synthetic: bool = False
+
+
+@dataclass(frozen=True)
+class Findings:
+    """All that the report is made of.
+
+    Attributes
+    ----------
+    comparisons : dict
+        One a kind of figure: force, link, interactions.
+    runs : dict
+        Finished runs by the path that names them in the study.
+    holdings : DataFrame
+        How many files, specimens, photographs and runs every set has.
+    left_out : list of str
+        Sets and simulations that could not be used, and why.
+    notes : list of str
+        What else a reader should know of the study as a whole.
+    """
+
+    comparisons: dict[str, Comparison]
+    runs: dict[Path, sim.Run]
+    holdings: pd.DataFrame
+    left_out: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
 
 def joined(parts: Iterable[Comparison]) -> Comparison:

@@ -9,7 +9,7 @@ import pandas as pd
 import imaging
 import sim
 from combing.compare.comparison import Comparison, error_row, says_synthetic
-from combing.photographs import Refused, measured_only, read_to_scale
+from combing.photographs import Refused, content_of, measured_only, read_to_scale
 from combing.study import CurlSet
 from combing.tables import read_table
 
@@ -21,7 +21,7 @@ def measure_curl(path: Path, chosen: CurlSet, n_sec: int) -> pd.DataFrame:
     -------
     DataFrame
         ``section, N, count, density`` [1/m]; ``attrs`` hold ``sample``, ``strands`` found,
-        ``crossings``, ``length`` [m] and ``synthetic``.
+        ``crossings``, ``length`` [m], ``content`` (a hash) and ``synthetic``.
 
     Raises
     ------
@@ -32,6 +32,7 @@ def measure_curl(path: Path, chosen: CurlSet, n_sec: int) -> pd.DataFrame:
     strands = imaging.trace(imaging.segment(photo), photo)
     found = count_interactions(strands, pixel, n_sec)
     found.attrs |= {"sample": path.stem, "synthetic": says_synthetic(photo.exif)}
+    found.attrs |= {"content": content_of(photo)}
     return found
 
 

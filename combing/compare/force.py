@@ -58,6 +58,7 @@ def compare_force(
             _rows(chosen.name, "simulation", "run", GRID, instron.on_grid(simulated, GRID))
         )
         numbers.append(_facts(chosen.name, "simulation", simulated))
+        notes += [f"{chosen.name}, simulation: {said}" for said in simulated.attrs["warnings"]]
         apart = _distances(chosen.name, curves, simulated)
     theory, remark = _theory(chosen, rig, curves)
     return Comparison(

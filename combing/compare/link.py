@@ -14,7 +14,7 @@ import imaging
 import sim
 from combing.compare.comparison import Comparison, error_row, says_synthetic
 from combing.errors import UserError
-from combing.photographs import Refused, measured_only, read_to_scale, to_scale
+from combing.photographs import Refused, content_of, measured_only, read_to_scale, to_scale
 from combing.study import LinkSet, tine_positions
 from combing.tables import read_table
 from combing.virtual_lab.helix_photos import Shot, take
@@ -29,7 +29,8 @@ def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
     -------
     DataFrame
         ``s`` [m], ``link`` [1/m], ``sd`` [1/m]; ``attrs`` hold ``photo``, ``resolution`` [m],
-        ``total_link``, ``R`` [m], ``lean`` [rad], ``warnings`` and ``synthetic``.
+        ``total_link``, ``R``, ``r`` [m], ``lean`` [rad], ``warnings``, ``content`` (a hash) and
+        ``synthetic``.
 
     Raises
     ------
@@ -39,6 +40,7 @@ def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
     photo, pixel = read_to_scale(path, marker_side=chosen.marker_side, pixel_size=chosen.pixel_size)
     found = measure_helix(photo, pixel, chosen.root)
     found.attrs |= {"photo": path.stem, "synthetic": says_synthetic(photo.exif)}
+    found.attrs |= {"content": content_of(photo)}
     return found
 
 
@@ -50,6 +52,7 @@ def measure_helix(photo: imaging.Photo, pixel: float, root: str) -> pd.DataFrame
         "resolution": found.resolution,
         "total_link": found.total_link,
         "R": found.R,
+        "r": found.r,
         "lean": found.lean,
         "warnings": list(found.warnings),
     }

@@ -1,16 +1,15 @@
 """Figures, tables and the report of a comparison, written into one folder."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-import sim
 from combing import __version__
-from combing.compare.comparison import Comparison, all_errors
+from combing.compare.comparison import Comparison, Findings, all_errors
 from combing.figures.errors import draw_errors
 from combing.figures.force import draw_force
 from combing.figures.interactions import draw_interactions
@@ -50,21 +49,19 @@ TEXT = {
 }
 
 
-def write_pages(
-    study: Study,
-    comparisons: Mapping[str, Comparison],
-    runs: Mapping[Path, sim.Run],
-    folder: Path,
-) -> None:
+def write_pages(study: Study, findings: Findings, folder: Path) -> None:
     """Write ``report.html``, ``summary.json``, and PNG, SVG and CSV of every figure."""
+    comparisons = findings.comparisons
     sections = [_section(study, kind, found, folder) for kind, found in comparisons.items()]
+    if findings.left_out:
+        sections.insert(0, Section("Left out", findings.left_out))
     errors = all_errors(comparisons)
     if len(errors):
         sections.append(_error_section(errors, folder))
     synthetic = any(found.synthetic for found in comparisons.values())
     if study.link or study.curl:
         sections.append(_photographs(study, folder, synthetic))
-    sections.append(_origin(study, runs))
+    sections.append(_origin(findings))
     write_report(
         folder / "report.html",
         study.title,
@@ -73,7 +70,7 @@ def write_pages(
         footer="Every plotted number is in the CSV files beside this page.",
         synthetic=synthetic,
     )
-    summary = _summary(study, comparisons, errors, synthetic)
+    summary = _summary(study, findings, errors, synthetic)
     text = json.dumps(summary, indent=1, ensure_ascii=False)
     (folder / "summary.json").write_text(text, encoding="utf-8")
 
@@ -138,7 +135,7 @@ def _photographs(study: Study, folder: Path, synthetic: bool) -> Section:
     return Section("Photographs", (), png, "What was measured, scaled down.")
 
 
-def _origin(study: Study, runs: Mapping[Path, sim.Run]) -> Section:
+def _origin(findings: Findings) -> Section:
     rows = [
         {
             "scene": path.name,
@@ -148,32 +145,30 @@ def _origin(study: Study, runs: Mapping[Path, sim.Run]) -> Section:
             "wall time (s)": float(run.data.attrs["wall_time_s"]),
             "seed": run.scene.seed,
         }
-        for path, run in runs.items()
+        for path, run in findings.runs.items()
     ]
-    logs = sum(len(one.logs) for one in study.force)
-    photos = sum(len(one.photos) for one in (*study.link, *study.curl))
-    text = (
-        f"{logs} force logs, {photos} photographs, {len(runs)} simulations; "
-        f"solver {model_version()}."
-    )
-    return Section("Where the numbers come from", [text], tables=[("Runs", pd.DataFrame(rows))])
+    tables = [("What each set holds", findings.holdings), ("Runs", pd.DataFrame(rows))]
+    text = [f"Solver {model_version()}."]
+    return Section("Where the numbers come from", text, tables=tables, notes=findings.notes)
 
 
-def _summary(
-    study: Study, comparisons: Mapping[str, Comparison], errors: pd.DataFrame, synthetic: bool
-) -> dict:
+def _summary(study: Study, findings: Findings, errors: pd.DataFrame, synthetic: bool) -> dict:
+    comparisons = findings.comparisons
     tables = {
         kind: {caption: _records(table) for caption, table in found.numbers}
         for kind, found in comparisons.items()
     }
+    notes = [note for found in comparisons.values() for note in found.notes]
     return {
         "title": study.title,
         "synthetic": synthetic,
         "n_sec": study.n_sec,
         "solver": model_version(),
+        "sets": _records(findings.holdings),
+        "left_out": findings.left_out,
         "tables": tables,
         "errors": _records(errors),
-        "notes": [note for found in comparisons.values() for note in found.notes],
+        "notes": notes + findings.notes,
     }
 
 

@@ -6,7 +6,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from combing.accuracy.study import slope
 from combing.figures.style import (
     BAND,
     EXPERIMENT,
@@ -16,6 +15,7 @@ from combing.figures.style import (
     new_figure,
     paper_style,
 )
+from combing.power_law import slope
 
 METRE_TO_MM = 1e3
 COLOURS = {"elements": SIMULATION, "safety": THEORY, "speed": "#3b8a3e", "stiffness": "#7a4b9a"}

@@ -14,6 +14,7 @@ from combing.figures.style import (
     mark_synthetic,
     new_figure,
     paper_style,
+    plain,
 )
 
 ROOM = 1.25  # height of the panel over the highest measured force
@@ -34,7 +35,7 @@ def draw_force(table: pd.DataFrame, *, synthetic: bool) -> Figure:
         figure, panels = new_figure(-(-len(sets) // 2), min(2, len(sets)), 2.6)
         for panel, name in zip(panels, sets, strict=False):
             _draw_set(panel, table[table["set"] == name])
-            panel.set(title=name, xlabel=r"$x = d/D$", ylabel=r"$f = l_0^2 F/B$")
+            panel.set(title=plain(name), xlabel=r"$x = d/D$", ylabel=r"$f = l_0^2 F/B$")
         for panel in panels[len(sets) :]:
             panel.remove()
         legend_above(figure, panels[0], 3 if len(sets) > 1 else 2)

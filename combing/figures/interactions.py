@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from combing.figures.style import BAND, SIMULATION, mark_synthetic, new_figure, paper_style
+from combing.figures.style import BAND, SIMULATION, mark_synthetic, new_figure, paper_style, plain
 
 LOOKS = {"experiment": (BAND, -0.2), "simulation": (SIMULATION, 0.2)}
 BAR = 0.38
@@ -28,7 +28,7 @@ def draw_interactions(table: pd.DataFrame, *, n_sec: int, synthetic: bool) -> Fi
         figure, panels = new_figure(-(-len(sets) // 2), min(2, len(sets)), 2.5)
         for panel, name in zip(panels, sets, strict=False):
             _draw_set(panel, table[table["set"] == name])
-            panel.set(title=name, xlabel="strands in an interaction, $N$")
+            panel.set(title=plain(name), xlabel="strands in an interaction, $N$")
             panel.set_ylabel(r"$\rho_N$ (m$^{-1}$)")
             panel.annotate(f"{n_sec} sections", (0.97, 0.72), xycoords="axes fraction", ha="right")
         for panel in panels[len(sets) :]:

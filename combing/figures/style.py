@@ -58,6 +58,11 @@ def legend_above(figure: Figure, panel: Axes, columns: int) -> None:
     figure.legend(*panel.get_legend_handles_labels(), loc="outside upper center", ncols=columns)
 
 
+def plain(text: str) -> str:
+    """Return a user's text so that nothing in it is taken for a formula, nor hidden in a legend."""
+    return text.replace("$", r"\$").lstrip("_") or text
+
+
 def mark_synthetic(figure: Figure, synthetic: bool) -> None:
     """Say in the figure itself that its experiment comes from the virtual lab."""
     if synthetic:

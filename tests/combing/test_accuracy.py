@@ -15,6 +15,7 @@ from combing.accuracy.measurement import Measurement
 from combing.accuracy.summary import summary
 from combing.cli import main
 from combing.figures.accuracy import draw_case, draw_teeth
+from combing.power_law import slope
 from sim import timestep
 
 
@@ -32,14 +33,14 @@ def cantilevers(tmp_path):
 
 def test_error_of_a_cantilever_falls_with_the_square_of_its_elements(cantilevers):
     rows = cantilevers[cantilevers["knob"] == "elements"]
-    assert study.slope(rows) == pytest.approx(-2, abs=0.05)
+    assert slope(rows) == pytest.approx(-2, abs=0.05)
     assert rows["error"].iloc[-1] == pytest.approx(0, abs=2e-3)
 
 
 def test_errors_without_a_power_law_have_no_slope():
     rows = pd.DataFrame({"value": [1, 2, 4, 8], "error": [1e-2, 1e-4, 1e-2, -1e-4]})
-    assert math.isnan(study.slope(rows))
-    assert study.slope(rows.assign(error=1 / rows["value"])) == pytest.approx(-1)
+    assert math.isnan(slope(rows))
+    assert slope(rows.assign(error=1 / rows["value"])) == pytest.approx(-1)
 
 
 def test_the_time_step_does_not_matter_at_rest(cantilevers):

@@ -1,0 +1,219 @@
+"""The sets of a study as jobs: each is checked, measured and compared on its own.
+
+What is wrong with one set stops that set and no other (`combing.compare.bench`).
+"""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+import pandas as pd
+
+import sim
+from combing.compare.agreement import disagreements, of_photograph, of_rig, of_scene
+from combing.compare.comparison import Comparison
+from combing.compare.copies import refuse_copied_logs, refuse_copies
+from combing.compare.curl import compare_curl, measure_curl
+from combing.compare.force import compare_force, measure_force
+from combing.compare.link import compare_link, measure_link
+from combing.photographs import Refused, tried
+from combing.study import CurlSet, ForceSet, LinkSet, Study
+
+Tick = Callable[[], None]
+Runs = Mapping[Path, sim.Run]
+Scenes = Mapping[Path, sim.Scene]
+
+
+class Job(Protocol):
+    """What the bench asks of a set.
+
+    Attributes
+    ----------
+    kind : str
+        Which figure it belongs to: force, link or interactions.
+    chosen : ForceSet, LinkSet or CurlSet
+        The set as the study states it.
+    photographs : int
+        How many photographs are measured.
+    """
+
+    kind: str
+    chosen: Any
+
+    @property
+    def photographs(self) -> int: ...  # noqa: D102
+
+    def check(self, scenes: Scenes) -> list[str]:
+        """Return notes on what the set's files state; raise UserError where they disagree."""
+        ...
+
+    def measure(self, tick: Tick) -> Any:
+        """Return what is measured of the experiment; `tick` is called at every photograph."""
+        ...
+
+    def count(self, measured: Any) -> dict[str, int]:
+        """Return how many of each kind of thing the set holds."""
+        ...
+
+    def compare(self, measured: Any, scenes: list[Path], runs: Runs) -> Comparison:
+        """Compare with the runs of `scenes`, which may be fewer than the study names."""
+        ...
+
+
+class ForceJob:
+    """Force logs beside a simulation and Love's curve."""
+
+    kind, photographs = "force", 0
+
+    def __init__(self, chosen: ForceSet) -> None:
+        self.chosen = chosen
+
+    def check(self, scenes: Scenes) -> list[str]:
+        """Hold rig and scene against each other."""
+        stated = [of_rig(self.chosen.rig), *_of_scenes(self.chosen.scenes, scenes)]
+        return disagreements(self.chosen.name, stated, self.chosen.allow_different)
+
+    def measure(self, tick: Tick) -> list[pd.DataFrame]:
+        """Scale every log; the same readings twice are refused."""
+        curves = measure_force(self.chosen)
+        refuse_copied_logs(self.chosen.name, curves)
+        return curves
+
+    def count(self, measured: list[pd.DataFrame]) -> dict[str, int]:
+        """Count files and the specimens in them."""
+        return {"files": len(self.chosen.logs), "specimens": len(measured)}
+
+    def compare(self, measured: list[pd.DataFrame], scenes: list[Path], runs: Runs) -> Comparison:
+        """Compare curves."""
+        simulation = scenes[0] if scenes else None
+        chosen = self.chosen.model_copy(update={"simulation": simulation})
+        return compare_force(chosen, measured, runs)
+
+
+Photographed = tuple[pd.DataFrame | Refused | None, list[pd.DataFrame | Refused]]
+
+
+class LinkJob:
+    """Photographs of a double helix beside a simulation."""
+
+    kind = "link"
+
+    def __init__(self, chosen: LinkSet) -> None:
+        self.chosen = chosen
+        self._stated: list = []
+
+    @property
+    def photographs(self) -> int:
+        """With the one before the tine."""
+        return len(self.chosen.photos) + bool(self.chosen.before)
+
+    def check(self, scenes: Scenes) -> list[str]:
+        """Hold rig and scene against each other."""
+        self._stated = _of_scenes(self.chosen.scenes, scenes)
+        if self.chosen.rig is not None:
+            self._stated.insert(0, of_rig(self.chosen.rig))
+        return disagreements(self.chosen.name, self._stated, self.chosen.allow_different)
+
+    def measure(self, tick: Tick) -> Photographed:
+        """Measure every photograph that can be; the same picture twice is refused."""
+        chosen = self.chosen
+        before = _counted(tick, measure_link, chosen.before, chosen) if chosen.before else None
+        found = [_counted(tick, measure_link, photo, chosen) for photo in chosen.photos]
+        _refuse_copied_photographs(chosen.name, [before, *found], "photo")
+        return before, found
+
+    def count(self, measured: Photographed) -> dict[str, int]:
+        """Count photographs, and those that could be measured."""
+        before, found = measured
+        return _photographs_counted([*found, *([before] if self.chosen.before else [])])
+
+    def compare(self, measured: Photographed, scenes: list[Path], runs: Runs) -> Comparison:
+        """Hold the photograph before the tine against rig and scene, then compare."""
+        before, found = measured
+        notes = []
+        if isinstance(before, pd.DataFrame):
+            for other in self._stated:
+                stated = [of_photograph(before), other]
+                notes += disagreements(self.chosen.name, stated, self.chosen.allow_different)
+        simulation = scenes[0] if scenes else None
+        chosen = self.chosen.model_copy(update={"simulation": simulation})
+        result = compare_link(chosen, before, found, runs)
+        result.notes.extend(notes)
+        return result
+
+
+class CurlJob:
+    """Photographs of curls beside simulated curls."""
+
+    kind = "interactions"
+
+    def __init__(self, chosen: CurlSet, n_sec: int) -> None:
+        self.chosen, self.n_sec = chosen, n_sec
+
+    @property
+    def photographs(self) -> int:
+        """One curl each."""
+        return len(self.chosen.photos)
+
+    def check(self, scenes: Scenes) -> list[str]:
+        """Refuse a scene that is there twice, or has another number of strands than stated."""
+        chosen = self.chosen
+        asked = [
+            (path.name, scenes[path].model_copy(update={"title": ""}).model_dump_json())
+            for path in chosen.scenes
+        ]
+        refuse_copies(chosen.name, "scene", asked)
+        if chosen.strands is None:
+            return []
+        notes = []
+        for stated in _of_scenes(chosen.scenes, scenes):
+            study = type(stated)("the study", {"strands": chosen.strands}, stated.tolerance)
+            notes += disagreements(chosen.name, [study, stated], chosen.allow_different)
+        return notes
+
+    def measure(self, tick: Tick) -> list[pd.DataFrame | Refused]:
+        """Measure every photograph that can be; the same picture twice is refused."""
+        chosen = self.chosen
+        found = [_counted(tick, measure_curl, photo, chosen, self.n_sec) for photo in chosen.photos]
+        _refuse_copied_photographs(chosen.name, found, "sample")
+        return found
+
+    def count(self, measured: list[pd.DataFrame | Refused]) -> dict[str, int]:
+        """Count photographs, and those that could be measured."""
+        return _photographs_counted(measured)
+
+    def compare(
+        self, measured: list[pd.DataFrame | Refused], scenes: list[Path], runs: Runs
+    ) -> Comparison:
+        """Compare densities."""
+        chosen = self.chosen.model_copy(update={"simulations": scenes})
+        return compare_curl(chosen, measured, runs, self.n_sec)
+
+
+def all_jobs(study: Study) -> list[Job]:
+    """Return a job for every set of a study, in its order."""
+    return [
+        *(ForceJob(one) for one in study.force),
+        *(LinkJob(one) for one in study.link),
+        *(CurlJob(one, study.n_sec) for one in study.curl),
+    ]
+
+
+def _of_scenes(paths: list[Path], scenes: Scenes) -> list:
+    return [of_scene(path.name, scenes[path]) for path in paths]
+
+
+def _counted(tick: Tick, measure: Callable[..., pd.DataFrame], path: Path, *arguments: Any) -> Any:
+    result = tried(measure, path, *arguments)
+    tick()
+    return result
+
+
+def _refuse_copied_photographs(name: str, found: list, label: str) -> None:
+    seen = [one.attrs for one in found if isinstance(one, pd.DataFrame)]
+    refuse_copies(name, "picture", [(facts[label], facts["content"]) for facts in seen])
+
+
+def _photographs_counted(found: list) -> dict[str, int]:
+    measured = sum(isinstance(one, pd.DataFrame) for one in found)
+    return {"photographs": len(found), "measured": measured}

@@ -1,0 +1,60 @@
+"""Files as a study names them: relative to it, by patterns, each once."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, ValidationInfo
+
+
+def folder_of(info: ValidationInfo) -> Path:
+    """Folder that paths are relative to."""
+    return (info.context or {})["folder"]
+
+
+def _file(value: Any, info: ValidationInfo) -> Path:
+    if not isinstance(value, str):
+        raise ValueError("expected a file name in quotes")
+    path = folder_of(info) / value
+    if not path.is_file():
+        raise ValueError(f"there is no file {path}")
+    return path
+
+
+def _files(value: Any, info: ValidationInfo) -> list[Path]:
+    patterns = [value] if isinstance(value, str) else value
+    if not isinstance(patterns, list) or not all(isinstance(one, str) for one in patterns):
+        raise ValueError("expected a file name, a pattern with *, or a list of them")
+    named: dict[Path, tuple[str, Path]] = {}
+    for pattern in patterns:
+        for path in matches(pattern, folder_of(info)):
+            if path.resolve() in named:
+                raise ValueError(_twice(path, pattern, *named[path.resolve()]))
+            named[path.resolve()] = (pattern, path)
+    return [path for _, path in named.values()]
+
+
+def _twice(path: Path, pattern: str, before: str, other: Path) -> str:
+    if path == other:
+        by = f"by {before!r} and by {pattern!r}" if pattern != before else f"twice by {pattern!r}"
+        return f"{path.name} is named {by} and would count twice"
+    return f"{path.name} and {other.name} are one file and would count twice"
+
+
+def _file_or_numbers(value: Any, info: ValidationInfo) -> Any:
+    return _file(value, info) if isinstance(value, str) else value
+
+
+def matches(pattern: str, folder: Path) -> list[Path]:
+    """Return the files that a pattern stands for, sorted; raise ValueError where there are none."""
+    absolute = Path(pattern).is_absolute()
+    root = Path(Path(pattern).anchor) if absolute else folder
+    relative = str(Path(pattern).relative_to(root)) if absolute else pattern
+    found = sorted(path for path in root.glob(relative) if path.is_file())
+    if not found:
+        raise ValueError(f"no file matches {root / relative}")
+    return found
+
+
+File = Annotated[Path, BeforeValidator(_file)]
+Files = Annotated[list[Path], BeforeValidator(_files)]
+FileOrNumbers = Annotated[list[float] | Path, BeforeValidator(_file_or_numbers)]
