@@ -4,15 +4,19 @@ Functions bear the names of the rooms they live in (``imaging.segment`` is the f
 are imported here, once, after their modules.
 """
 
+from imaging.correct import Corrections, read_corrections
 from imaging.count import crossings, densities, events, interactions, unresolved
 from imaging.errors import Unmeasurable
 from imaging.helix import HelixMeasurement, helix, helix_sequence, link_jump
+from imaging.measure import Measured, measure, strands_of
 from imaging.photo import Photo, read_photo
 from imaging.segment import Segmentation, segment
 from imaging.trace import Strand, trace
 
 __all__ = [
+    "Corrections",
     "HelixMeasurement",
+    "Measured",
     "Photo",
     "Segmentation",
     "Strand",
@@ -24,8 +28,11 @@ __all__ = [
     "helix_sequence",
     "interactions",
     "link_jump",
+    "measure",
+    "read_corrections",
     "read_photo",
     "segment",
+    "strands_of",
     "trace",
     "unresolved",
 ]

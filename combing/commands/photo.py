@@ -13,7 +13,8 @@ import imaging
 from combing.errors import UserError, is_users_fault
 from combing.photo_files import earlier, fingerprint, write_batch, write_photo
 from combing.photographs import find_photographs
-from imaging.measure import Measured, measure
+from imaging.correct import SUFFIX, Corrections, Hand, beside, told_besides
+from imaging.measure import BESIDE, Measured, measure
 from imaging.photo.region import FORMS as REGION_FORMS
 from imaging.photo.region import parse_region
 from imaging.scale import FORMS, Request, parse_scale
@@ -27,6 +28,9 @@ class Options:
     n_sec: int
     roi: str | None
     ignore: str | None
+    corrections: str | None
+    strands: int | None
+    colours: str | None
 
 
 @click.command()
@@ -38,6 +42,12 @@ class Options:
               help="Sections of the curl's axis for N-body interactions.")  # fmt: skip
 @click.option("--roi", help=f"Look only inside {REGION_FORMS}.")
 @click.option("--ignore", type=click.Path(), help="Mask picture; white is ignored.")
+@click.option("--corrections", "file", type=click.Path(),
+              help="What a hand says of a photograph (one photograph only); by default the file "
+              "PHOTO.corrections.json beside it.")  # fmt: skip
+@click.option("--no-corrections", is_flag=True, help="Measure as if nobody had said anything.")
+@click.option("--strands", type=click.IntRange(min=1), help="How many strands there are.")
+@click.option("--colours", help="Colours of the strands, #rrggbb,#rrggbb,...; others are left out.")
 @click.option("--again", is_flag=True, help="Measure anew what is already in the output folder.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @click.option("--quiet", is_flag=True, help="No progress.")
@@ -48,6 +58,10 @@ def command(
     n_sec: int,
     roi: str | None,
     ignore: str | None,
+    file: str | None,
+    no_corrections: bool,
+    strands: int | None,
+    colours: str | None,
     again: bool,
     as_json: bool,
     quiet: bool,
@@ -64,10 +78,14 @@ def command(
       combing photo curl.jpg --scale marker:20mm -o out/
       combing photo session/ --scale 41.5px/mm+-1% --n-sec 20 -o out/
       combing photo session/*.jpg --scale charuco:7x5,15mm,11mm@board.jpg -o out/
+      combing photo hairs.jpg --strands 12 --corrections hairs.corrections.json -o out/
     """
     paths = find_photographs(files)
     _refuse_output(output, paths)
-    asked = _Asked(Options(scale, n_sec, roi, ignore), parse_scale(scale) if scale else None, again)
+    _refuse_corrections(file, no_corrections, paths)
+    source = file or (None if no_corrections else BESIDE)
+    options = Options(scale, n_sec, roi, ignore, source, strands, colours)
+    asked = _Asked(options, parse_scale(scale) if scale else None, again)
     if len(paths) == 1:
         rows, defect = [_one(paths[0], output, paths[0].name, asked)], None
     else:
@@ -107,6 +125,16 @@ def _batch(
                 defect = defect or error
     write_batch(output, done, rows)
     return rows, defect
+
+
+def _refuse_corrections(file: str | None, none: bool, paths: list[Path]) -> None:
+    if file and none:
+        raise UserError("--corrections and --no-corrections: give one of them")
+    if file and len(paths) > 1:
+        raise UserError(
+            f"--corrections {file}: is of one photograph, not of {len(paths)}; put a file "
+            f"PHOTO{SUFFIX} beside each"
+        )
 
 
 def _refuse_output(output: Path, paths: list[Path]) -> None:
@@ -152,16 +180,42 @@ def _one(path: Path, folder: Path, name: str, asked: _Asked) -> dict[str, Any]:
     options, request = asked.options, asked.request
     roi = parse_region(options.roi) if options.roi else None
     board = request.board if request else None
-    besides = [Path(one) for one in (roi, options.ignore, board) if isinstance(one, str | Path)]
+    said = beside(path) if options.corrections == BESIDE else options.corrections
+    besides = [
+        Path(one) for one in (roi, options.ignore, board, said) if isinstance(one, str | Path)
+    ]
     record: dict[str, Any] = {"input": fingerprint(path, asdict(options), besides)}
     if not asked.again and (old := earlier(folder, record["input"])) is not None:
         return old | {"kept": True}
     photo = imaging.read_photo(path, roi=roi, ignore=options.ignore)
-    measured = measure(photo, request, options.n_sec)
+    corrections = _corrections(said, options)
+    measured = measure(photo, request, options.n_sec, corrections=corrections)
     record["exif"] = photo.exif
+    record["corrections"] = _hand(said, measured.hand)
     record["summary"] = _row(path, measured)
     write_photo(folder, name, measured, record)
     return record["summary"]
+
+
+def _corrections(file: str | Path | None, options: Options) -> Corrections:
+    """Put together what the file and the command line say of a photograph."""
+    said = Corrections() if file is None else imaging.read_corrections(file)
+    more: dict[str, Any] = {}
+    if options.strands is not None:
+        more["strands"] = options.strands
+    if options.colours is not None:
+        more["colours"] = [colour.strip() for colour in options.colours.split(",")]
+    return told_besides(said, more, "the command line")
+
+
+def _hand(file: str | Path | None, hand: Hand) -> dict[str, Any]:
+    """Tell what a hand did, for the record."""
+    said = hand.corrections.model_dump(mode="json", by_alias=True, exclude_none=True)
+    return {
+        "file": None if file is None else Path(file).name,
+        "said": said if hand.corrections else None,
+        "outcomes": [asdict(one) for one in hand.outcomes],
+    }
 
 
 def _row(path: Path, measured: Measured) -> dict[str, Any]:
@@ -178,6 +232,8 @@ def _row(path: Path, measured: Measured) -> dict[str, Any]:
         "strand_width_px": round(measured.segmentation.width, 2),
         "notes": measured.notes,
     }
+    if measured.hand.outcomes:
+        row["corrections"] = measured.hand.tally()
     if measured.interactions is not None:
         count = measured.interactions.groupby("N")["count"].sum()
         row["n_sec"] = measured.interactions.attrs["n_sec"]

@@ -29,10 +29,10 @@ def measure_curl(path: Path, chosen: CurlSet, n_sec: int) -> pd.DataFrame:
         If the photograph does not show at least two strands.
     """
     photo, pixel = read_to_scale(path, marker_side=chosen.marker_side, pixel_size=chosen.pixel_size)
-    strands = imaging.trace(imaging.segment(photo), photo)
+    _, strands, hand = imaging.strands_of(photo)
     found = count_interactions(strands, pixel, n_sec)
     found.attrs |= {"sample": path.stem, "synthetic": says_synthetic(photo.exif)}
-    found.attrs |= {"content": content_of(photo)}
+    found.attrs |= {"content": content_of(photo), "hand": hand.notes()}
     return found
 
 
@@ -91,7 +91,7 @@ def compare_curl(
             ("Mean density of N-body interactions (1/m)", _means(plotted)),
         ],
         errors=_errors(chosen, measured),
-        notes=notes + _wrong_counts(chosen, measured),
+        notes=notes + _by_hand(chosen, measured) + _wrong_counts(chosen, measured),
         synthetic=any(found.attrs["synthetic"] for found in measured),
     )
 
@@ -147,6 +147,15 @@ def _means(plotted: pd.DataFrame) -> pd.DataFrame:
             row[f"{source}, sd over curls"] = float(chosen["density"].std())
         rows.append(row)
     return pd.DataFrame(rows)
+
+
+def _by_hand(chosen: CurlSet, photographed: list[pd.DataFrame]) -> list[str]:
+    """Say which photographs were corrected by hand."""
+    return [
+        f"{chosen.name}, {found.attrs['sample']}: {note}"
+        for found in photographed
+        for note in found.attrs.get("hand", [])
+    ]
 
 
 def _wrong_counts(chosen: CurlSet, photographed: list[pd.DataFrame]) -> list[str]:

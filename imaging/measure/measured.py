@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from imaging.correct import Corrections, Hand, beside, correct, put_on_top, read_corrections
 from imaging.count.crossings import crossings
 from imaging.count.interactions import densities, events, interactions
 from imaging.count.unresolved import contact_notes, contact_of, hidden_ends, unresolved
@@ -20,6 +22,7 @@ from imaging.segment import Segmentation, segment
 from imaging.trace import Strand, trace
 
 OTHER_SECTIONS = (0.5, 2.0)  # times n_sec, to show how much the densities depend on it
+BESIDE = "beside"  # the corrections file that lies beside the photograph
 EVERY = 25  # centreline points between those at which the scale's sd is averaged
 
 
@@ -45,6 +48,8 @@ class Measured:
         A `HelixMeasurement` [px] for every pair of strands that wind round each other.
     notes : list of str
         What makes the numbers doubtful, and where.
+    hand : Hand
+        What was corrected by hand, and what no longer fits.
     """
 
     photo: Photo
@@ -57,6 +62,7 @@ class Measured:
     scale: Scale | None
     links: dict[Pair, HelixMeasurement] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    hand: Hand = field(default_factory=Hand)
 
     @property
     def scale_sd(self) -> float:
@@ -67,7 +73,13 @@ class Measured:
         return float(self.scale.sd_at(points).mean())
 
 
-def measure(photo: Photo, request: Request | None = None, n_sec: int = 20) -> Measured:
+def measure(
+    photo: Photo,
+    request: Request | None = None,
+    n_sec: int = 20,
+    *,
+    corrections: Corrections | str | Path | None = BESIDE,
+) -> Measured:
     """Measure strands, crossings, interactions and link density of one photograph.
 
     Parameters
@@ -77,18 +89,23 @@ def measure(photo: Photo, request: Request | None = None, n_sec: int = 20) -> Me
         Where the scale comes from (`imaging.scale.parse_scale`); none = pixels only.
     n_sec : int
         Sections of the curl's axis.
+    corrections : Corrections, path or None
+        What a hand says of the photograph; a file of `imaging.read_corrections`, or None. By
+        default the file beside the photograph, ``PHOTO.corrections.json``, if there is one.
 
     Raises
     ------
     Unmeasurable
-        When nothing stands out, or the scale cannot be found.
+        When nothing stands out, the scale cannot be found, or the corrections are of another
+        photograph or cannot be read.
     """
+    said = corrections_for(photo, corrections)
     scale, photo = calibrate(photo, request)
-    segmentation, strands = _strands(photo)
+    segmentation, strands, hand = strands_of(photo, said)
     if request is not None and scale is None:
         scale = from_filament(full_widths(strands), *request.numbers)
         scale = scale.with_doubt(request.length_sd)
-    table = crossings(strands, segmentation)
+    table = put_on_top(crossings(strands, segmentation), strands, hand)
     contacts = unresolved(strands, table)
     table["contact"] = contact_of(table, contacts)
     found = dense = None
@@ -97,23 +114,48 @@ def measure(photo: Photo, request: Request | None = None, n_sec: int = 20) -> Me
         found = interactions(lines, n_sec, table=flat, contacts=flat_contacts)
         dense = _all_densities(lines, flat, flat_contacts, n_sec, _radius(strands))
     links, winding = wound(photo, segmentation, strands, winding_pairs(table))
-    notes = notes_on(photo, segmentation, strands) + contact_notes(contacts, found)
+    notes = hand.notes() + notes_on(photo, segmentation, strands)
+    notes += contact_notes(contacts, found)
     notes += hidden_ends(strands) + doubt_notes(strands) + winding
     return Measured(
-        photo, segmentation, strands, table, contacts, found, dense, scale, links, notes
+        photo, segmentation, strands, table, contacts, found, dense, scale, links, notes, hand
     )
 
 
-def _strands(photo: Photo) -> tuple[Segmentation, list[Strand]]:
+def corrections_for(photo: Photo, asked: Corrections | str | Path | None = BESIDE) -> Corrections:
+    """Find what a hand says of a photograph: as given, from a file, or from the file beside it."""
+    if isinstance(asked, Corrections):
+        return asked
+    path = beside(photo.source) if asked == BESIDE else asked
+    return Corrections() if path is None else read_corrections(path)
+
+
+def strands_of(
+    photo: Photo, said: Corrections | None = None
+) -> tuple[Segmentation, list[Strand], Hand]:
+    """Find the strands of a photograph and correct them as a hand says.
+
+    Parameters
+    ----------
+    photo : Photo
+    said : Corrections, optional
+        By default those beside the photograph.
+
+    Raises
+    ------
+    Unmeasurable
+        When nothing stands out, or the corrections are of another photograph.
+    """
+    said = corrections_for(photo) if said is None else said
     try:
         segmentation = segment(photo)
     except Unmeasurable as error:
         reason = exposure(photo)
         raise Unmeasurable(f"{error} ({reason})") if reason else error from None
-    strands = trace(segmentation, photo)
+    strands, hand = correct(photo, segmentation, trace(segmentation, photo), said)
     if not strands:
         raise Unmeasurable(f"{photo.source}: what stands out cannot be followed as a strand")
-    return segmentation, strands
+    return segmentation, strands, hand
 
 
 def _in_plane(

@@ -48,6 +48,9 @@ DICTIONARY = {
     "s_a_from_m, s_a_to_m, s_b_from_m, s_b_to_m, x_from_m, y_from_m, x_to_m, y_to_m": (
         "the same [m] (only with a scale)"
     ),
+    "by": "what a hand did to the strand: drawn, joined, split, exchanged; empty = as measured",
+    "over_by": "hand = who is on top was said by hand; empty = as measured",
+    "corrections": "corrections by hand that changed something in the photograph",
     "section": "section of the curl's axis from 1 at the roots",
     "N": "strands in one interaction: a component of the section's crossing graph",
     "count": "number of such interactions",
@@ -69,9 +72,10 @@ DICTIONARY = {
 
 def strands_table(measured: Measured, name: str) -> pd.DataFrame:
     """Return one row a centreline point: photo, strand, s, x, y, width, sd, edges; _m = metres."""
+    handled = zip(measured.strands, measured.hand.by, strict=True)
     parts = [
-        _strand_rows(number, strand, measured.scale)
-        for number, strand in enumerate(measured.strands, start=1)
+        _strand_rows(number, strand, measured.scale).assign(by=by)
+        for number, (strand, by) in enumerate(handled, start=1)
     ]
     return _finished(pd.concat(parts, ignore_index=True), measured, name)
 
@@ -215,9 +219,11 @@ def _link_rows(helix: HelixMeasurement, measured: Measured) -> pd.DataFrame:
 
 
 def _finished(table: pd.DataFrame, measured: Measured, name: str) -> pd.DataFrame:
-    """Put the photograph's name first and, with a scale, its relative sd last."""
+    """Put the photograph's name first; last, corrections and the scale's relative sd, if any."""
     table = table.copy()
     table.insert(0, "photo", pd.Series(name, table.index, str))
+    if measured.hand.outcomes:
+        table["corrections"] = measured.hand.applied
     return table if measured.scale is None else table.assign(scale_sd=measured.scale_sd)
 
 

@@ -175,8 +175,8 @@ def test_another_mask_is_another_measurement(pictures, tmp_path, capsys):
 def test_a_defect_of_ours_stops_no_batch_and_is_not_hidden(pictures, tmp_path, monkeypatch, capsys):
     true_measure = photo_command.measure
 
-    def broken(photo, *rest):
-        return 1 / 0 if photo.source.endswith("a.png") else true_measure(photo, *rest)
+    def broken(photo, *rest, **more):
+        return 1 / 0 if photo.source.endswith("a.png") else true_measure(photo, *rest, **more)
 
     monkeypatch.setattr(photo_command, "measure", broken)
     with pytest.raises(ZeroDivisionError):
@@ -194,6 +194,7 @@ def test_the_record_says_what_was_measured_and_how(pictures, tmp_path):
     assert record["input"]["sha256"] == hashlib.sha256(photo.read_bytes()).hexdigest()
     assert record["input"]["options"] == {
         "scale": "10px/mm+-2%", "n_sec": 8, "roi": None, "ignore": None,
+        "corrections": "beside", "strands": None, "colours": None,
     }  # fmt: skip
     assert {"combing", "python", "numpy", "scipy", "opencv"} <= set(record["input"]["versions"])
     assert record["summary"]["scale_relative_sd"] == pytest.approx(0.02)
