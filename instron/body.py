@@ -7,18 +7,20 @@ by line, so that a refusal can name the line.
 
 import re
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
 
+from instron.blocks import WORDY, is_other_heading, repeated_blocks
+from instron.columns import Told
 from instron.errors import Unreadable
 from instron.layout import Header, find_header, is_row, split_cells
 from instron.marks import QUOTE, TORN, marks_of
 from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.source import CHUNK, NEWLINE, Source, refuse_lone_returns
 
+BLOCK_HEAD = 8  # lines from the end of a block's rows to the names of the next
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
 # Two quotes at a digit: an empty cell has marks on both sides, a doubled quote stands in words.
 _QUOTED_WITHIN = re.compile(r'[\d.]""|""[-+\d.]')
@@ -30,32 +32,76 @@ class Body:
 
     header: Header
     values: dict[int, np.ndarray]
-    lines: Sequence[int]  # line of the file, from 0, of every row
+    lines: range | list[int] | np.ndarray  # of the file, from 0, of every row
     decimal: str = "."
     thousands: bool = False
     above: int = 0  # line at which the text above the header starts
+    cut: int | None = None  # line that the file's end cuts
+    parts: list["Body"] = field(default_factory=list)  # blocks that make up one test
     warnings: list[str] = field(default_factory=list)
 
 
-def read_bodies(source: Source, header: Header, delimiter: str) -> list[Body]:
+def read_bodies(source: Source, header: Header, delimiter: str, told: Told) -> list[Body]:
     """Return the tables of a file: one per header that rows of numbers follow."""
     refuse_lone_returns(source, max(header.line, 0))
-    quick = _quick(source, header, delimiter)
-    if quick is not None:
-        return [quick]
+    whole = _last_line_is_whole(source, header, delimiter)
+    if whole and not _words_within(source, header):
+        start = source.offset(header.first_row)
+        quick = _quick(source, start, header, delimiter, source.head[header.first_row])
+        if quick is not None:
+            return [quick]
+    repeated = _repeated(source, header, delimiter) if whole else None
+    if repeated is not None:
+        return repeated
     bodies = []
-    for block, rows, notes in _walk(source, header, delimiter):
+    for block, rows, cut in _walk(source, header, delimiter, told):
         bodies.append(_exact(source, block, rows, delimiter))
-        bodies[-1].warnings += notes
         bodies[-1].above = bodies[-2].lines[-1] + 1 if len(bodies) > 1 else 0
+        if cut is not None:
+            bodies[-1].cut = cut
+            bodies[-1].warnings.append(
+                f"line {cut + 1}: the file stops inside this row; 1 row lost, {len(rows)} kept"
+            )
     return bodies
 
 
-def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
-    """Return the body if the rest of the file is one clean table, else None."""
-    start = source.offset(header.first_row)
+def _words_within(source: Source, header: Header) -> bool:
+    """Tell whether the head shows lines of words among rows of numbers."""
+    rows = source.head[header.first_row :]
+    return not WORDY.match(rows[0]) and any(map(WORDY.match, rows))
+
+
+def _repeated(source: Source, header: Header, delimiter: str) -> list[Body] | None:
+    """Return the tables of a file in which one header comes again and again, else None.
+
+    The rows of all are handed to the C reader at once.
+    """
+    blocks = repeated_blocks(source, header)
+    if blocks is None:
+        return None
+    rows = b"".join(source.data[a:b] for a, b in blocks.bytes)
+    joined = replace(source, data=rows, on_disk=False)
+    whole = _quick(joined, 0, header, delimiter, source.head[header.first_row])
+    counts = [stop - first for first, stop in blocks.lines]
+    if whole is None or len(whole.lines) != sum(counts):
+        return None
+    bodies, start, above = [], 0, 0
+    for (first, stop), count in zip(blocks.lines, counts, strict=True):
+        moved = first - header.first_row
+        units = None if header.units is None else header.units + moved
+        there = replace(header, line=header.line + moved, first_row=first, units=units)
+        values = {i: v[start : start + count] for i, v in whole.values.items()}
+        bodies.append(
+            Body(there, values, range(first, stop), whole.decimal, whole.thousands, above)
+        )
+        start, above = start + count, stop
+    return bodies
+
+
+def _quick(source: Source, start: int, header: Header, delimiter: str, first: str) -> Body | None:
+    """Return the body if the source is one clean table from byte ``start`` on, else None."""
     marks = marks_of(source.data, start, delimiter)
-    if marks is None or not _last_line_is_whole(source, header, delimiter):
+    if marks is None:
         return None
     source.release()
     table = _pandas(source, header, delimiter, marks, start)
@@ -64,13 +110,13 @@ def _quick(source: Source, header: Header, delimiter: str) -> Body | None:
     if any(table[i].dtype.kind not in "fi" for i in header.used()):
         return None
     values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
-    gaps = [i for i in header.used() if np.isnan(values[i]).any()]
+    gaps = any(np.isnan(column).any() for column in values.values())
     torn = header.first_unnamed() in table and table[header.first_unnamed()].notna().any()
     if torn or (gaps and len(header.specimens) == 1):
         return None
     if not _quotes_are_whole(source, start, len(table), delimiter):
         return None
-    if not _first_row_agrees(source, header, delimiter, marks[0], values):
+    if not _first_row_agrees(first, delimiter, marks[0], values):
         return None
     lines = range(header.first_row, header.first_row + len(table))
     return Body(header, values, lines, marks[0], marks[1] is not None)
@@ -118,13 +164,16 @@ def _is_cut(lines: list[str], header: Header, delimiter: str) -> bool:
     last = len(cells) - 1
     if last not in header.used() or not cells[last]:
         return False
-    before = [split_cells(line.rstrip("\r"), delimiter) for line in lines[-40:-1]]
-    digits = {_decimals(c[last]) for c in before if len(c) == len(cells)}
-    return len(digits) == 1 and _decimals(cells[last]) != digits.pop()
+    before = [split_cells(line.rstrip("\r"), delimiter) for line in lines[-50:-1]]
+    decimals = [_decimals(c[last]) for c in before if len(c) == len(cells)]
+    # Where zeros at the end are left out, as many decimals in all rows say nothing.
+    fixed = any(text.endswith("0") or "e" in text.casefold() for text in decimals)
+    digits = {len(text) for text in decimals}
+    return fixed and len(digits) == 1 and len(_decimals(cells[last])) < digits.pop()
 
 
-def _decimals(cell: str) -> int:
-    return len(re.sub(r"^[^.,]*[.,]?", "", cell))
+def _decimals(cell: str) -> str:
+    return re.sub(r"^[^.,]*[.,]?", "", cell)
 
 
 def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> bool:
@@ -148,11 +197,9 @@ def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> 
     return rows == breaks - blank + (not source.ends_in_newline())
 
 
-def _first_row_agrees(
-    source: Source, header: Header, delimiter: str, mark: str, values: dict[int, np.ndarray]
-) -> bool:
+def _first_row_agrees(line: str, delimiter: str, mark: str, values: dict[int, np.ndarray]) -> bool:
     """Guard against a reader that counts the lines of the preamble differently (quoted breaks)."""
-    cells = split_cells(source.head[header.first_row], delimiter)
+    cells = split_cells(line, delimiter)
     filled = {i: cells[i] for i in values if i < len(cells) and cells[i]}
     try:
         numbers, _ = to_numbers(list(filled.values()), mark)
@@ -163,19 +210,19 @@ def _first_row_agrees(
 
 
 def _walk(
-    source: Source, header: Header | None, delimiter: str
-) -> list[tuple[Header, list[int], list[str]]]:
-    """Return each table's header, the lines of its rows, and notes on lines that were left."""
+    source: Source, header: Header | None, delimiter: str, told: Told
+) -> list[tuple[Header, list[int], int | None]]:
+    """Return each table's header, the lines of its rows, and the line that the file's end cuts."""
     blocks = []
     while header is not None:
-        rows, stop, notes = _rows(source, header, delimiter)
-        following = _next_header(source, header, stop, delimiter)
-        blocks.append((header, rows, notes))
+        rows, stop, cut = _rows(source, header, delimiter)
+        following = _next_header(source, header, stop, delimiter, told)
+        blocks.append((header, rows, cut))
         header = following
     return blocks
 
 
-def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], int, list[str]]:
+def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], int, int | None]:
     """Return the lines of the rows under a header and the line at which they stop."""
     lines, used, rows = source.lines, header.used(), []
     width = header.first_unnamed()
@@ -195,9 +242,16 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
             continue
         if _is_last_and_open(source, number):
             break
-        _refuse_damaged(source, number, cells, used)
-        return rows, number, []
+        if not _is_block_head(source, header, number, delimiter):
+            _refuse_damaged(source, number, cells, used)
+        return rows, number, None
     return _without_cut_row(source, header, rows, delimiter)
+
+
+def _is_block_head(source: Source, header: Header, number: int, delimiter: str) -> bool:
+    """Tell whether the same names come again within a few lines of this one."""
+    following = source.lines[number : number + BLOCK_HEAD]
+    return any(split_cells(line, delimiter) == header.names for line in following)
 
 
 def _is_last_and_open(source: Source, number: int) -> bool:
@@ -225,23 +279,28 @@ def _refuse_damaged(source: Source, number: int, cells: list[str], used: list[in
 
 def _without_cut_row(
     source: Source, header: Header, rows: list[int], delimiter: str
-) -> tuple[list[int], int, list[str]]:
-    """Return the rows without a last one that the file's end cuts, and a note saying so."""
+) -> tuple[list[int], int, int | None]:
+    """Return the rows without a last one that the file's end cuts, and that one's line."""
     last = len(source.lines) - 1
-    tail = source.lines[max(header.first_row, last - 40) :]
+    tail = source.lines[max(header.first_row, last - 50) :]
     cut = not source.ends_in_newline() and _is_cut(tail, header, delimiter)
     whole = [row for row in rows if row != last] if cut else rows
     lost = cut or (whole[-1:] != [last] and not source.ends_in_newline())
-    note = f"line {last + 1}: the file stops inside this row; 1 row lost, {len(whole)} kept"
-    return whole, last + 1, [note] if lost and source.lines[last].strip() else []
+    return whole, last + 1, last if lost and source.lines[last].strip() else None
 
 
-def _next_header(source: Source, header: Header, stop: int, delimiter: str) -> Header | None:
+def _next_header(
+    source: Source, header: Header, stop: int, delimiter: str, told: Told
+) -> Header | None:
     """Return the next header; refuse rows that go on after a text line without one."""
-    following = find_header(source.lines, delimiter, stop)
+    following = find_header(source.lines, delimiter, stop, told)
     end = following.line if following else len(source.lines)
     for number in range(stop, end):
         cells = split_cells(source.lines[number], delimiter)
+        if number + 1 < end and is_other_heading(
+            cells, split_cells(source.lines[number + 1], delimiter)
+        ):
+            break  # a table of something else: the ledger names it
         if len(cells) >= header.width and is_row(cells, header.used()):
             raise Unreadable(
                 f"{source.path}: line {stop + 1}: text within the data"

@@ -9,8 +9,7 @@ import pandas as pd
 
 from instron.errors import Unreadable
 from instron.preamble import StatedMaximum
-from instron.units import factor
-from instron.words import unit_of
+from instron.units import read_unit
 
 FILL_VALUES = (-999999.0, -1e6, -1e9)
 HUGE = 9e36
@@ -107,6 +106,19 @@ def drop_jump_back(where: str, table: pd.DataFrame, lines: Sequence[int]) -> tup
     return len(time), [f"line {lines[back[0] + 1] + 1}: time steps back by less than one sample"]
 
 
+def end_marks(columns: Sequence[np.ndarray]) -> int:
+    """Return how many last rows are nothing but zeros that the test did not come back to."""
+    zero = np.logical_and.reduce([column[-100:] == 0 for column in columns])
+    count = len(zero) if zero.all() else int(np.argmin(zero[::-1]))
+    if not count or count + 2 >= len(zero):
+        return 0
+    for column in columns[:-1]:  # a force may drop to nothing at once, time and travel may not
+        before = column[: len(column) - count]
+        if abs(before[-1]) > 3 * np.abs(np.diff(before)).max():
+            return count
+    return 0
+
+
 def milliseconds(table: pd.DataFrame, metadata: Mapping[str, str]) -> list[str]:
     """Flag times that only make sense as milliseconds under a header that says seconds.
 
@@ -171,8 +183,8 @@ def _is_slip(gap: float) -> bool:
 
 
 def _newtons(claim: StatedMaximum, written: str | None) -> float | None:
-    unit = unit_of(claim.unit or written or "N")
-    return claim.value * factor(unit[1], "force") if unit and unit[0] == "force" else None
+    unit = read_unit(claim.unit or written or "N")
+    return claim.value * unit.to_si() if unit and unit.quantity == "force" else None
 
 
 def mixed_units(columns: list[dict[str, dict]]) -> list[str]:

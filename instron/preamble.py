@@ -3,9 +3,11 @@
 import re
 from dataclasses import dataclass
 
+from instron.headings import split_unit
 from instron.layout import Header, split_cells
 from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
-from instron.words import plain, split_unit, unit_of, word_set
+from instron.units import read_unit
+from instron.words import plain, word_set
 
 MAXIMUM = word_set(
     "max maximum maximal maximale maxima maximo peak hochst ultimate massimo fmax hochstkraft"
@@ -96,7 +98,7 @@ def _beside(cells: list[str], index: int, number: int) -> list[StatedMaximum]:
     if index + 1 >= len(cells) or index > 1 or not looks_numeric(cells[index + 1]):
         return []
     value = _number(cells[index + 1])
-    unit = cells[index + 2] if index + 2 < len(cells) and unit_of(cells[index + 2]) else None
+    unit = cells[index + 2] if index + 2 < len(cells) and read_unit(cells[index + 2]) else None
     unit = unit or split_unit(cells[index])[1]
     return [] if value is None else [StatedMaximum(value, unit, number, cells[index])]
 
@@ -107,7 +109,7 @@ def _below(lines: list[str], number: int, index: int, delimiter: str) -> list[St
     for offset, line in enumerate(lines[number + 1 : number + 60], start=1):
         cells = split_cells(line, delimiter)
         cell = cells[index] if index < len(cells) else ""
-        if offset == 1 and unit_of(cell):
+        if offset == 1 and read_unit(cell):
             unit = cell
         elif looks_numeric(cell) and not re.match(
             r"(?i)\s*\"?(mean|sd|std|stand|cv|min|max)", line

@@ -1,6 +1,5 @@
 """Read the export of a testing machine into force logs: exactly, or not at all."""
 
-import re
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
@@ -13,36 +12,39 @@ from instron.body import Body, read_bodies
 from instron.checks import (
     against_stated,
     drop_jump_back,
+    end_marks,
     milliseconds,
     mixed_units,
     refuse_fill_values,
     refuse_moved_points,
     refuse_torn_decimals,
 )
+from instron.columns import Channel, Specimen, Told
 from instron.errors import Unreadable
+from instron.headings import read_heading
+from instron.join import joined
 from instron.layout import (
     DELIMITERS,
     LONGEST_HEADER,
-    Channel,
     Header,
-    Specimen,
     find_header,
     is_row,
     split_cells,
 )
+from instron.lines import END_MARK, LOST, Ledger, ledger, lost_lines
 from instron.preamble import labels_above, metadata, specimen_label, stated_maxima
 from instron.source import HEAD_BYTES, Source, open_source
-from instron.units import factor
-from instron.words import QUANTITIES, VOLTS, is_unit, quantity_of, split_unit, unit_of
+from instron.units import VOLTS, Unit, read_unit
+from instron.words import QUANTITIES
 
-CLOCK = re.compile(r"\s*\"?\d+:\d\d")
 USUAL_UNITS = {"time": "s", "displacement": "mm", "force": "N"}
+ONE_TEST = "MTS793|"  # a format that keeps the buffers of one test in one file
 
 
 def read(
     path: str | Path,
     *,
-    columns: Sequence[str] | None = None,
+    columns: Sequence[str] | Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> list[pd.DataFrame]:
     """Return the force logs of an export, one per specimen.
@@ -52,17 +54,21 @@ def read(
     path
         CSV or text export of Bluehill, Merlin, Series IX, Zwick, MTS, Shimadzu and the like.
     columns
-        Only for a file without a header: what its columns are, in order, of ``"time"``,
-        ``"displacement"``, ``"force"``; any other word skips a column.
+        Which heading is which quantity, where the file leaves a doubt: ``{"force": "Kraft Ist"}``
+        (or ``"#4"``, the fourth column); the others are found as ever. For a file without a header
+        a list: what its columns are, in order, of ``"time"``, ``"displacement"``, ``"force"``; any
+        other word skips a column.
     units
-        Units that the file does not state, e.g. ``{"force": "lbf"}``.
+        Units that the file does not state, e.g. ``{"force": "lbf"}``; of a column that
+        ``columns`` names, also instead of what it states.
 
     Returns
     -------
     list of DataFrame
         Columns ``time`` [s] (NaN where the file has none), ``displacement`` [m], ``force`` [N],
         signs as in the file. ``attrs``: ``source``, ``specimen``, ``dialect``, ``columns`` (name
-        and unit in the file), ``metadata``, ``stated``, ``lost_rows``, ``warnings``.
+        and unit in the file), ``metadata``, ``stated``, ``lines`` (how many lines of the file have
+        which role), ``lost_rows``, ``choices``, ``warnings``.
 
     Raises
     ------
@@ -72,38 +78,72 @@ def read(
         When there is no such file.
     """
     path = Path(path)
-    _refuse_unknown_units(path, units or {})
+    told = _told_of(path, columns, units or {})
     source = open_source(path)
-    delimiter, header = _find(source, columns)
-    bodies = _logs_only(read_bodies(source, header, delimiter))
+    return _read_source(source, told, None if isinstance(columns, Mapping) else columns)
+
+
+def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list[pd.DataFrame]:
+    delimiter, header = _find(source, told, bare)
+    bodies = read_bodies(source, header, delimiter, told)
+    taken = _logs_only(bodies)
+    logs = joined(taken, source.head[0].startswith(ONE_TEST))
+    _refuse_questions(source, logs)
     lines = source.head[: header.line] if len(bodies) == 1 else source.lines
     stated = stated_maxima(lines, delimiter)
+    odd = {body.cut: LOST for body in bodies if body.cut is not None}
     tables = [
-        _table(source, body, number, delimiter, units or {})
-        for body in bodies
+        _table(source, body, number, delimiter, told, odd)
+        for body in logs
         for number in range(len(body.header.specimens))
     ]
     _check_together(source, tables, stated)
+    _account(tables, ledger(source, bodies, taken, odd, delimiter))
     return tables
 
 
-def _refuse_unknown_units(path: Path, told: Mapping[str, str]) -> None:
-    for quantity, text in told.items():
-        known = unit_of(text)
-        if quantity not in QUANTITIES or known is None or known[0] != quantity:
+def _account(tables: list[pd.DataFrame], found: Ledger) -> None:
+    """Write into every table what became of the lines of its file."""
+    for table in tables:
+        table.attrs["lines"] = found.counts()
+        table.attrs["warnings"] += lost_lines(found)
+
+
+def _refuse_questions(source: Source, bodies: list[Body]) -> None:
+    for body in bodies:
+        if body.header.question:
+            raise Unreadable(f"{source.path}: line {body.header.line + 1}: {body.header.question}")
+
+
+def _told_of(
+    path: Path, columns: Sequence[str] | Mapping[str, str] | None, units: Mapping[str, str]
+) -> Told:
+    """Return what the user said, checked."""
+    for quantity, text in units.items():
+        known = read_unit(text)
+        if quantity not in QUANTITIES or known is None or known.quantity != quantity:
             raise Unreadable(f"{path}: told that {quantity} is in '{text}': no unit of {quantity}")
+    headings = columns if isinstance(columns, Mapping) else {}
+    for quantity in headings:
+        if quantity not in QUANTITIES:
+            raise Unreadable(f"{path}: told which column is {quantity}: say time, displacement or"
+                             " force")  # fmt: skip
+    return Told(headings, units)
 
 
-def _find(source: Source, columns: Sequence[str] | None) -> tuple[str, Header]:
+def _find(source: Source, told: Told, bare: Sequence[str] | None) -> tuple[str, Header]:
     """Return the delimiter and the first header of the file."""
     for part in ("head", "lines") if len(source.data) > HEAD_BYTES else ("head",):
         lines = getattr(source, part)
         present = {mark for mark in DELIMITERS if any(mark in line for line in lines)}
         for delimiter in [d for d in DELIMITERS if d in present or d == "spaces"]:
-            header = _told(lines, delimiter, columns) if columns else find_header(lines, delimiter)
+            header = (
+                _told(lines, delimiter, bare) if bare
+                else find_header(lines, delimiter, told=told)
+            )  # fmt: skip
             if header is not None:
                 return delimiter, header
-    raise Unreadable(f"{source.path}: {_why_no_header(source.lines)}")
+    raise Unreadable(f"{source.path}: {_why_no_header(source.lines, told)}")
 
 
 def _told(lines: list[str], delimiter: str, columns: Sequence[str]) -> Header | None:
@@ -118,33 +158,34 @@ def _told(lines: list[str], delimiter: str, columns: Sequence[str]) -> Header | 
     return None
 
 
-def _why_no_header(lines: list[str]) -> str:
+def _why_no_header(lines: list[str], told: Told) -> str:
     """Say which part of a force log the file lacks."""
+    if told.columns:
+        names = ", ".join(f'{q}="{text}"' for q, text in told.columns.items())
+        return f"no heading that agrees with --column {names} over rows of numbers"
     for number, line in enumerate(lines[:400], start=1):
         if len(line) > LONGEST_HEADER:
             continue
         for delimiter in DELIMITERS[:4]:
             cells = split_cells(line, delimiter)
-            names = [split_unit(cell) for cell in cells]
-            found = {quantity_of(name) for name, _ in names} - {None}
+            headings = [read_heading(cell) for cell in cells]
+            found = {heading.quantity for heading in headings} - {None}
             if len(found) < 2 or len(cells) < 2:
                 continue
             below = split_cells(lines[number], delimiter) if number < len(lines) else []
-            marks = {(u or "").casefold() for _, u in names} | {c.strip("()[]").casefold()
-                                                                for c in below}  # fmt: skip
-            if marks & VOLTS:
+            pairs = list(zip_longest(cells, below, fillvalue=""))
+            if all(_in_volts(cell, unit) for cell, unit in pairs
+                   if read_heading(cell).quantity in ("force", "displacement")):  # fmt: skip
                 return f"line {number}: columns in volts: a voltage logger, not a force log"
-            for name, unit in zip_longest(cells, below, fillvalue=""):
-                wrong = _wrong_unit(name, unit)
+            for cell, unit in pairs:
+                wrong = _wrong_unit(cell, unit)
                 if wrong:
                     return f"line {number}: {wrong}"
+            if any(heading.role for heading in headings):
+                found = {h.quantity for h in headings if not h.role}
             missing = [q for q in ("displacement", "force") if q not in found]
             if missing:
                 return f"line {number}: no {' and no '.join(missing)} column in '{line[:60]}'"
-            if any(
-                CLOCK.match(cell) for x in lines[number : number + 3] for cell in x.split(delimiter)
-            ):
-                return f"line {number}: times written as hh:mm:ss; export the time in seconds"
             return f"line {number}: a header, but no row of numbers follows it"
     return (
         "no header that names displacement and force; for a bare table say what its columns are:"
@@ -152,14 +193,17 @@ def _why_no_header(lines: list[str]) -> str:
     )
 
 
+def _in_volts(cell: str, below: str) -> bool:
+    unit = read_heading(cell, below).unit
+    return unit is not None and unit.text.strip("()[] ").casefold() in VOLTS
+
+
 def _wrong_unit(cell: str, below: str) -> str:
     """Say that a column's unit, in its cell or below, is not of the quantity it names, or ""."""
-    name, unit = split_unit(cell)
-    unit, quantity = unit or below.strip("()[] "), quantity_of(name)
-    known = unit_of(unit) if unit else None
-    if quantity is None or not is_unit(unit) or (known and known[0] == quantity):
+    heading = read_heading(cell, below if read_unit(below) else "")
+    if heading.quantity is None or heading.unit is None or heading.fits:
         return ""
-    return f"'{name}' in '{unit}' is no {quantity}"
+    return f"'{heading.name}' in '{heading.unit.text.strip('()[]')}' is no {heading.quantity}"
 
 
 def _logs_only(bodies: list[Body]) -> list[Body]:
@@ -169,39 +213,51 @@ def _logs_only(bodies: list[Body]) -> list[Body]:
 
 
 def _table(
-    source: Source, body: Body, number: int, delimiter: str, told: Mapping[str, str]
+    source: Source, body: Body, number: int, delimiter: str, told: Told, odd: dict[int, int]
 ) -> pd.DataFrame:
     """Return one specimen's table in SI, with what is known of it."""
     where, specimen = str(source.path), body.header.specimens[number]
-    written = {q: _unit(source, body.header, q, c, told) for q, c in specimen.items()}
+    written = {q: _unit(q, c, told) for q, c in specimen.items()}
     keep = _complete_rows(source, body, specimen)
-    lines = body.lines[keep]
-    columns, notes = {}, list(body.warnings)
+    ends = end_marks([body.values[specimen[q].index][keep] for q in QUANTITIES if q in specimen])
+    lines: Sequence[int] = body.lines[keep]  # type: ignore[assignment]
+    columns, notes = {}, [*body.warnings, *body.header.doubts]
+    if ends:
+        odd |= dict.fromkeys(map(int, lines[-ends:]), END_MARK)
+        notes.append(f"line {lines[-1] + 1}: a last row of zeros: an end mark, not data")
+        lines, keep = lines[:-ends], slice(0, len(lines) - ends)
     for quantity in QUANTITIES:
         if quantity not in specimen:
             columns[quantity] = np.full(len(lines), np.nan)
-            notes.append(f"no {quantity} column: {quantity} is NaN")
+            notes.append(_why_no_time(body.header))
             continue
         values = body.values[specimen[quantity].index][keep]
         refuse_fill_values(where, quantity, values, lines)
         if quantity != "time":  # which must not run back anyway
             refuse_moved_points(where, quantity, values, lines)
         unit, stated = written[quantity]
-        scale = factor(unit, quantity)
+        scale = unit.to_si()
         columns[quantity] = values if scale == 1 else values * scale
-        if not stated:
-            notes.append(f"the unit of {quantity} is not stated: taken as {unit}")
+        notes += _doubts_of_unit(quantity, unit, stated)
     if delimiter == "," and "time" in specimen:
         raw = [body.values[c.index][keep] for c in specimen.values()]
         refuse_torn_decimals(where, raw, columns["time"])
     table = pd.DataFrame(columns, copy=False)
     kept, found = drop_jump_back(where, table, lines)
-    table = table.iloc[:kept] if kept < len(table) else table
+    if kept < len(table):
+        odd[int(lines[-1])] = LOST
+        table = table.iloc[:kept]
     table.attrs = _provenance(source, body, number, delimiter, written)
     notes += found + milliseconds(table, table.attrs["metadata"])
     table.attrs["warnings"] = notes
     table.attrs["lost_rows"] = sum("row lost" in note for note in notes)
     return table
+
+
+def _why_no_time(header: Header) -> str:
+    passed = [note for note in header.choices if note.startswith("time is 'absent'")]
+    names = f" ({passed[0].partition('; ')[2]}: gaps, or hh:mm:ss)" if passed else ""
+    return f"no time column: time is NaN{names}"
 
 
 def _complete_rows(source: Source, body: Body, specimen: Specimen) -> slice:
@@ -227,20 +283,20 @@ def _complete_rows(source: Source, body: Body, specimen: Specimen) -> slice:
     return slice(0, filled[-1] + 1)
 
 
-def _unit(
-    source: Source, header: Header, quantity: str, channel: Channel, told: Mapping[str, str]
-) -> tuple[str, bool]:
-    """Return the pint unit of a column, and whether anybody stated it."""
-    text = channel.unit or told.get(quantity)
-    if text is None:
-        return USUAL_UNITS[quantity], False
-    known = unit_of(text)
-    if known is None or known[0] != quantity:
-        raise Unreadable(
-            f"{source.path}: line {header.line + 1}: '{text}' of column '{channel.name}' is no"
-            f" unit of {quantity} (known: s ms min, mm cm m in, N kN mN lbf kgf gf)"
-        )
-    return known[1], True
+def _unit(quantity: str, channel: Channel, told: Told) -> tuple[Unit, bool]:
+    """Return the unit of a column, and whether anybody stated it."""
+    said = read_unit(told.units[quantity]) if quantity in told.units else None
+    unit = (said or channel.unit) if quantity in told.columns else (channel.unit or said)
+    usual = USUAL_UNITS[quantity]
+    return unit or Unit(usual, quantity, usual), unit is not None
+
+
+def _doubts_of_unit(quantity: str, unit: Unit, stated: bool) -> list[str]:
+    if not stated:
+        return [f"the unit of {quantity} is not stated: taken as {unit.name}"]
+    if unit.loose:
+        return [f"'{unit.text}' is taken as 1000 kgf; a short ton is 907 kgf"]
+    return []
 
 
 def _provenance(
@@ -248,7 +304,7 @@ def _provenance(
     body: Body,
     number: int,
     delimiter: str,
-    written: Mapping[str, tuple[str, bool]],
+    written: Mapping[str, tuple[Unit, bool]],
 ) -> dict[Any, Any]:
     """Return where a table comes from and how its file is written."""
     header = body.header
@@ -270,13 +326,14 @@ def _provenance(
             "side_by_side": len(header.specimens),
         },
         "columns": {
-            q: {"name": c.name, "unit": c.unit or written[q][0], "index": c.index}
+            q: {"name": c.name, "unit": written[q][0].text, "index": c.index}
             for q, c in header.specimens[number].items()
         },
         "all_columns": list(header.names),
         "choices": list(header.choices),
         "metadata": facts,
         "stated": {},
+        "file": source.path.name,
     }
 
 

@@ -48,6 +48,30 @@ class Source:
         except UnicodeDecodeError:
             return data.decode("cp1252", errors="replace")
 
+    def count(self) -> int:
+        """Return the number of lines."""
+        text = np.frombuffer(self.data, dtype=np.uint8)
+        breaks = sum(
+            int(np.count_nonzero(text[first : first + CHUNK] == NEWLINE))
+            for first in range(0, len(text), CHUNK)
+        )
+        return breaks + (not self.ends_in_newline())
+
+    @cached_property
+    def _ends(self) -> np.ndarray:
+        return np.flatnonzero(np.frombuffer(self.data, dtype=np.uint8) == NEWLINE)
+
+    def line(self, number: int) -> str:
+        """Return one line."""
+        if number < len(self.head):
+            return self.head[number]
+        stop = self._ends[number] if number < len(self._ends) else len(self.data)
+        return (
+            self.data[self._ends[number - 1] + 1 : stop]
+            .decode(self.encoding, errors="replace")
+            .rstrip("\r")
+        )
+
     @cached_property
     def head(self) -> list[str]:
         """The first lines, decoded, up to 64 kB."""

@@ -15,7 +15,7 @@ import instron
 from combing.errors import UserError
 
 FEWEST = 4  # repeats for which the band's coverage was measured to hold
-SUFFIXES = {".csv", ".txt", ".tra", ".dat", ".tsv"}
+SUFFIXES = {".csv", ".txt", ".tra", ".dat", ".tsv", ".asc", ".lvm"}
 
 
 @click.command()
@@ -27,8 +27,14 @@ SUFFIXES = {".csv", ".txt", ".tra", ".dat", ".tsv"}
 @click.option("--ends", type=click.Choice(["free", "blocked"]), default="free", show_default=True,
               help="Whether the ends of Love's helix may turn.")  # fmt: skip
 @click.option("--columns", help="For a file without header: e.g. time,displacement,force.")
+@click.option("--column", "headings", multiple=True, metavar="QUANTITY=HEADING", help="Which "
+              "heading is which quantity, where a file leaves a doubt: force='Kraft Ist', or "
+              "force=#4. The others are found as ever.")  # fmt: skip
 @click.option("--units", help="Units that a file does not state: e.g. force=lbf,displacement=in.")
-@click.option("--explain", is_flag=True, help="Only say what was understood of each file.")
+@click.option("--explain", is_flag=True, help="Only say what was understood of each file and of "
+              "its lines.")  # fmt: skip
+@click.option("--skip-unreadable", is_flag=True, help="Go on without the files that cannot be "
+              "read; they are listed with reasons.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 @click.option("--quiet", is_flag=True, help="No progress, no warnings.")
 def command(
@@ -38,8 +44,10 @@ def command(
     active_length: float | None,
     ends: str,
     columns: str | None,
+    headings: tuple[str, ...],
     units: str | None,
     explain: bool,
+    skip_unreadable: bool,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -55,11 +63,12 @@ def command(
       r = 4.25e-4   # filament radius [m]
       E = 2.8e9     # Young's modulus [Pa]
     """
-    logs = _read_all(_expand(files), columns, units, quiet or explain)
+    told = _told(columns, headings, units)
+    logs, skipped = _read_all(_expand(files), told, explain or skip_unreadable, quiet or explain)
     if explain:
-        click.echo(json.dumps([_plain(log.attrs) for log in logs], indent=1) if as_json
-                   else "\n\n".join(map(explanation, logs)))  # fmt: skip
+        click.echo(_explained(logs, skipped, as_json))
         return
+    logs = _once(logs)
     if rig_file is None:
         raise UserError("--rig is missing: f = l0^2 F/B needs the filament (r and E, or B)")
     rig = instron.load_rig(rig_file)
@@ -69,7 +78,7 @@ def command(
         _warn(curves)
     result = _combine(curves)
     if output is not None:
-        _write(output, curves, result, theory)
+        _write(output, curves, result, theory, skipped)
     click.echo(_as_json(curves, result) if as_json else _summary_text(curves, result, output))
 
 
@@ -86,6 +95,8 @@ def explanation(log: pd.DataFrame) -> str:
         f" {len(log)} rows, {len(facts['metadata'])} metadata lines",
     ]
     lines += [_column_line(log, quantity) for quantity in ("time", "displacement", "force")]
+    roles = ", ".join(f"{count} {role}" for role, count in facts["lines"].items())
+    lines.append(f"  lines      {sum(facts['lines'].values())}: {roles}")
     lines.append(f"  stated     {facts['stated'] or 'no maximum load to check against'}")
     lines += [f"  choice     {note}" for note in facts["choices"]]
     lines += [f"  warning    {note}" for note in facts["warnings"]] or ["  checks     all passed"]
@@ -122,13 +133,70 @@ def _expand(files: tuple[Path, ...]) -> list[Path]:
     return found
 
 
+Skipped = list[tuple[Path, str]]
+
+
+def _told(columns: str | None, headings: tuple[str, ...], units: str | None) -> dict[str, Any]:
+    """Return what the options say of columns and units, as ``instron.read`` takes it."""
+    if columns and headings:
+        raise UserError(
+            "--columns is for files without headings, --column for those with: not both"
+        )
+    named = dict(_heading(text) for text in headings)
+    bare = [name.strip() for name in columns.split(",")] if columns else None
+    return {"columns": named or bare,
+            "units": dict(_pair(part) for part in units.split(",")) if units else None}  # fmt: skip
+
+
 def _read_all(
-    files: list[Path], columns: str | None, units: str | None, quiet: bool
-) -> list[pd.DataFrame]:
-    told = dict(_pair(part) for part in units.split(",")) if units else None
-    names = [name.strip() for name in columns.split(",")] if columns else None
-    progress = tqdm(files, desc="reading", unit="file", disable=quiet or len(files) < 20)
-    return [log for path in progress for log in instron.read(path, columns=names, units=told)]
+    files: list[Path], told: dict[str, Any], go_on: bool, quiet: bool
+) -> tuple[list[pd.DataFrame], Skipped]:
+    """Return the logs of all files, and which could not be read and why."""
+    logs: list[pd.DataFrame] = []
+    skipped: Skipped = []
+    for path in tqdm(files, desc="reading", unit="file", disable=quiet or len(files) < 20):
+        try:
+            logs += instron.read(path, **told)
+        except instron.Unreadable as error:
+            if not go_on:
+                hint = "; --skip-unreadable goes on without it" if len(files) > 1 else ""
+                raise instron.Unreadable(f"{error}{hint}") from None
+            skipped.append((path, str(error)))
+    if not logs and skipped:
+        raise instron.Unreadable(skipped[0][1])
+    if not quiet:
+        for _, reason in skipped:
+            click.echo(f"combing: skipped: {reason}", err=True)
+    return logs, skipped
+
+
+def _once(logs: list[pd.DataFrame]) -> list[pd.DataFrame]:
+    """Return the logs, those that hold the same numbers once."""
+    kept: dict[bytes, pd.DataFrame] = {}
+    for log in logs:
+        content = b"".join(log[q].to_numpy().tobytes() for q in ("displacement", "force"))
+        first = kept.setdefault(content, log)
+        if first is not log:
+            click.echo(
+                f"combing: {log.attrs['source']}: the same numbers as {first.attrs['source']}:"
+                " counted once", err=True)  # fmt: skip
+    return list(kept.values())
+
+
+def _explained(logs: list[pd.DataFrame], skipped: Skipped, as_json: bool) -> str:
+    if as_json:
+        unread = [{"source": str(path), "unreadable": reason} for path, reason in skipped]
+        return json.dumps([_plain(log.attrs) for log in logs] + unread, indent=1)
+    return "\n\n".join(
+        [*map(explanation, logs), *(f"{path}\n  unreadable {why}" for path, why in skipped)]
+    )
+
+
+def _heading(text: str) -> tuple[str, str]:
+    quantity, _, heading = text.partition("=")
+    if quantity.strip() not in ("time", "displacement", "force") or not heading.strip():
+        raise UserError(f'--column {text!r}: write it as --column force="Kraft Ist"')
+    return quantity.strip(), heading.strip()
 
 
 def _pair(text: str) -> tuple[str, str]:
@@ -213,6 +281,7 @@ def _write(
     curves: list[pd.DataFrame],
     result: instron.Repeats | None,
     theory: pd.DataFrame | None,
+    skipped: Skipped,
 ) -> None:
     """Write all results into a temporary folder first, so that none stays half-written."""
     if output.exists() and not output.is_dir():
@@ -220,6 +289,10 @@ def _write(
     room = _room_beside(output)
     try:
         _write_tables(room, curves, result, theory)
+        if skipped:
+            pd.DataFrame(skipped, columns=["file", "reason"]).to_csv(
+                room / "skipped.csv", index=False
+            )
         draw(curves, result, theory, room / "force")
         _write_section(room, curves, result)
         output.mkdir(exist_ok=True)
@@ -245,7 +318,9 @@ def _write_tables(
 ) -> None:
     _tidy(curves).to_csv(room / "curves.csv", index=False)
     _tidy([_tagged(instron.events(c), c) for c in curves]).to_csv(room / "events.csv", index=False)
-    _per_repeat(curves, result).to_csv(room / "repeats.csv", index=False)
+    table = _per_repeat(curves, result).copy()
+    table.insert(1, "file", list(map(_file, curves)))
+    table.to_csv(room / "repeats.csv", index=False)
     if result is not None:
         result.grid.to_csv(room / "mean.csv", index=False)
         result.summary.to_csv(room / "summary.csv", index_label="quantity")
@@ -256,16 +331,20 @@ def _write_tables(
 
 
 def _tagged(found: pd.DataFrame, curve: pd.DataFrame) -> pd.DataFrame:
-    found.attrs["specimen"] = curve.attrs.get("specimen", "")
+    found.attrs |= {key: curve.attrs.get(key, "") for key in ("specimen", "source")}
     return found
+
+
+def _file(table: pd.DataFrame) -> str:
+    return Path(table.attrs.get("source", "")).name
 
 
 def _tidy(tables: list[pd.DataFrame]) -> pd.DataFrame:
     """Stack tables with the repeat's number and name in front."""
     parts = []
     for number, table in enumerate(tables, start=1):
-        part = pd.DataFrame({"repeat": number, "specimen": table.attrs.get("specimen", "")},
-                            index=table.index)  # fmt: skip
+        part = pd.DataFrame({"repeat": number, "specimen": table.attrs.get("specimen", ""),
+                             "file": _file(table)}, index=table.index)  # fmt: skip
         parts.append(pd.concat([part, pd.DataFrame(table.to_dict("series"))], axis=1))
     return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
 

@@ -49,9 +49,10 @@ def test_a_folder_of_repeats_becomes_tables_and_a_figure(bench, capsys):
     assert {"curves.csv", "mean.csv", "repeats.csv", "summary.csv", "events.csv", "theory.csv",
             "force.png", "force.svg", "section.html"} <= written  # fmt: skip
     curves = pd.read_csv(bench / "out/curves.csv")
-    assert list(curves) == ["repeat", "specimen", "x", "f", "d", "F"]
+    assert list(curves) == ["repeat", "specimen", "file", "x", "f", "d", "F"]
     assert curves.groupby("repeat").size().tolist() == [1500] * 3
     table = pd.read_csv(bench / "out/repeats.csv")
+    assert table["file"].tolist() == ["0.csv", "1.csv", "2.csv"]
     assert table["peaks"].tolist() == [3, 3, 3]
     assert table["D"].mean() == pytest.approx(0.0815, rel=0.01)
     section = (bench / "out/section.html").read_text()
@@ -73,7 +74,46 @@ def test_explain_says_what_was_understood(bench, capsys):
     assert code == 0
     assert "column 3 'Load' in N" in out
     assert "delimiter ','" in out
+    assert "lines      1504: 1 blank, 1 metadata, 1 heading, 1 units, 1500 data" in out
     assert 8 <= len(out.splitlines()) <= 13
+
+
+def test_a_folder_as_it_is(bench, capsys):
+    """Notes and a broken file among the exports, and one export copied under another name."""
+    (bench / "runs/notes.txt").write_text("second run slipped\n")
+    (bench / "runs/broken.csv").write_text("Time,Extension,Load\n(s),(mm),(N)\n0,1,OVER\n1,2,3\n")
+    (bench / "runs/copy.csv").write_bytes((bench / "runs/0.csv").read_bytes())
+    code, _, err = run(capsys, "runs", "--rig", "rig.toml", "-o", "out")
+    assert code == 2
+    assert "broken.csv" in err
+    assert "--skip-unreadable goes on without it" in err
+    code, out, _ = run(capsys, "--explain", "runs")
+    assert code == 0
+    assert out.count("unreadable") == 2
+    assert out.count("column 3 'Load' in N") == 4
+    code, out, err = run(capsys, "runs", "--rig", "rig.toml", "-o", "out", "--skip-unreadable")
+    assert code == 0
+    assert "copy.csv: the same numbers as" in err
+    skipped = pd.read_csv(bench / "out/skipped.csv")
+    assert [name.split("/")[-1] for name in skipped["file"]] == ["broken.csv", "notes.txt"]
+    assert "no header" in skipped["reason"][1]
+    assert pd.read_csv(bench / "out/repeats.csv")["file"].tolist() == ["0.csv", "1.csv", "2.csv"]
+
+
+def test_a_column_is_named_where_the_file_leaves_a_doubt(bench, capsys):
+    text = (bench / "runs/0.csv").read_text().replace("Load", "Kanal 3").replace("(N)", "")
+    (bench / "doubt.csv").write_text(text)
+    code, _, err = run(capsys, "doubt.csv", "--rig", "rig.toml")
+    assert code == 2
+    assert "doubt.csv: " in err
+    code, out, _ = run(
+        capsys, "doubt.csv", "--explain", "--column", "force=Kanal 3", "--units", "force=N"
+    )
+    assert code == 0
+    assert "column 3 'Kanal 3' in N" in out
+    code, _, err = run(capsys, "doubt.csv", "--explain", "--column", "Kanal 3")
+    assert code == 2
+    assert "write it as --column force=" in err
 
 
 @pytest.mark.parametrize(

@@ -103,6 +103,7 @@ def mts_with_operator_lines():
 def mts_data_acquired_twice():
     block = "Data Acquisition\t\tTime:\t{}\ts\nTime\tCh 1 Position\tCh 1 Force\ns\tmm\tN\n"
     first = "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\n\n" + block.format(4.0)
+    # The displacement starts anew: another specimen on the machine's clock.
     second = "\n" + block.format(14.0) + lines([T + 10, X, F / 2], delimiter="\t")
     return first + lines([T, X, F], delimiter="\t") + second, one() + one(t=T + 10, f=F / 2)
 

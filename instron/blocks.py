@@ -1,0 +1,67 @@
+"""Tables of a file in which one header comes again and again: where their rows are, by bytes."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from instron.layout import Header
+from instron.numerals import looks_numeric
+from instron.source import NEWLINE, RETURN, Source
+
+# What starts a line that is no row: a word, or a bracket around one.
+WORDY = re.compile(r"[\s\"']*[^\W\d_]|[\s\"']*[(\[<#*]")
+_LETTER = np.zeros(256, dtype=bool)
+_LETTER[[*b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz([<#*"]] = True
+_LETTER[128:] = True
+_BEFORE = np.zeros(256, dtype=bool)
+_BEFORE[[*b" \t\"'"]] = True
+FEW = 0.05  # of all lines are words, where blocks repeat
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Where the rows of each table stand, in bytes and in lines counted from 0."""
+
+    bytes: list[tuple[int, int]]
+    lines: list[tuple[int, int]]
+
+
+def repeated_blocks(source: Source, header: Header) -> Blocks | None:
+    """Return the blocks of rows if every line of words belongs to one and the same header."""
+    text = np.frombuffer(source.data, dtype=np.uint8)
+    starts = np.concatenate([[0], np.flatnonzero(text == NEWLINE) + 1])
+    starts = starts[starts < len(text)]
+    begins = starts.copy()
+    for _ in range(40):
+        blank = _BEFORE[text[begins]] & (begins + 1 < len(text))
+        if not blank.any():
+            break
+        begins += blank
+    words = _LETTER[text[begins]]
+    words[: header.first_row] = True
+    empty = (text[begins] == NEWLINE) | (text[begins] == RETURN)
+    if words.mean() > FEW or not words[header.first_row :].any():
+        return None
+    edges = np.diff(np.concatenate([[True], words | empty, [True]]).astype(np.int8))
+    firsts, stops = np.flatnonzero(edges == -1), np.flatnonzero(edges == 1)
+    ends = np.append(starts, len(text))
+    head = source.data[starts[header.line] : starts[header.first_row]]
+    for first in firsts[1:]:
+        if source.data[ends[first] - len(head) : ends[first]] != head:
+            return None
+    if stops[-1] < len(starts) and not empty[stops[-1] :].all():
+        return None  # words after the last rows
+    return Blocks(
+        [(int(ends[a]), int(ends[b])) for a, b in zip(firsts, stops, strict=True)],
+        [(int(a), int(b)) for a, b in zip(firsts, stops, strict=True)],
+    )
+
+
+def is_other_heading(cells: Sequence[str], below: Sequence[str]) -> bool:
+    """Tell whether a line names the columns of another table: a word for each cell below it."""
+    filled = [cell for cell in cells if cell]
+    named = {cell for cell in filled if re.search(r"[^\W\d_]{2}", cell)}
+    rows = [cell for cell in below if cell]
+    return 1 < len(named) == len(filled) == len(rows) and not any(map(looks_numeric, filled))

@@ -1,0 +1,65 @@
+"""Blocks of one test, as a controller's buffers leave them, joined to one table."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from instron.body import Body
+from instron.layout import Header
+
+LONGEST_PAUSE = 20  # samples between two blocks of one test
+
+
+def joined(bodies: list[Body], one_test: bool) -> list[Body]:
+    """Join blocks of one test: the same columns, and time and displacement run on.
+
+    Parameters
+    ----------
+    bodies
+        Tables in the order of the file.
+    one_test
+        Whether the file's format keeps one test a file, so that time alone decides.
+    """
+    kept: list[Body] = []
+    for body in bodies:
+        if kept and _alike(kept[-1].header, body.header) and _runs_on(kept[-1], body, one_test):
+            kept[-1].parts.append(body)
+        else:
+            kept.append(replace(body, parts=[body]))
+    return [_whole(body) for body in kept]
+
+
+def _alike(one: Header, other: Header) -> bool:
+    return len(one.specimens) == len(other.specimens) == 1 and one.specimens == other.specimens
+
+
+def _runs_on(before: Body, after: Body, one_test: bool) -> bool:
+    """Tell whether a block goes on where the one before it ends."""
+    last, specimen = before.parts[-1], before.header.specimens[0]
+    x, y = (part.values[specimen["displacement"].index] for part in (last, after))
+    step = np.abs(np.diff(x)).max(initial=0.0)
+    near = bool(abs(y[0] - x[-1]) <= 3 * step + 0.005 * np.ptp(x))
+    if "time" not in specimen:
+        return near and bool(abs(x[-1] - x[0]) > 10 * step > 0)
+    t, u = (part.values[specimen["time"].index] for part in (last, after))
+    follows, pause = bool(t[-1] <= u[0] <= u[-1]), np.diff(t).max(initial=0.0)
+    if one_test and near | (_cyclic(x) and _cyclic(y)):
+        return follows
+    return follows and near and bool(u[0] - t[-1] <= LONGEST_PAUSE * pause)
+
+
+def _cyclic(x: np.ndarray) -> bool:
+    """Tell whether a displacement goes forth and back: of such a test not every cycle is kept."""
+    return bool(np.abs(np.diff(x)).sum() > 1.9 * np.ptp(x) > 0)
+
+
+def _whole(body: Body) -> Body:
+    """Return the parts of a test as one body that says so."""
+    parts = body.parts
+    if len(parts) == 1:
+        return parts[0]
+    values = {i: np.concatenate([part.values[i] for part in parts]) for i in body.values}
+    lines = np.concatenate([np.asarray(part.lines) for part in parts])
+    note = f"{len(parts)} blocks joined to one test: time and displacement run on"
+    return replace(body, values=values, lines=lines, parts=[], cut=parts[-1].cut,
+                   warnings=[*(w for part in parts for w in part.warnings), note])  # fmt: skip
