@@ -7,6 +7,10 @@ class Unreadable(Exception):
     users_fault = True
 
 
+class NoLog(Unreadable):
+    """A table, a sheet or a text that is no force log at all."""
+
+
 class RigError(Exception):
     """A rig or specimen description that is wrong; the message names file, key and remedy."""
 

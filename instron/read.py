@@ -20,7 +20,7 @@ from instron.checks import (
     refuse_torn_decimals,
 )
 from instron.columns import Channel, Specimen, Told
-from instron.errors import Unreadable
+from instron.errors import NoLog, Unreadable
 from instron.headings import read_heading
 from instron.join import joined
 from instron.layout import (
@@ -36,6 +36,7 @@ from instron.preamble import labels_above, metadata, specimen_label, stated_maxi
 from instron.source import HEAD_BYTES, Source, open_source
 from instron.units import VOLTS, Unit, read_unit
 from instron.words import QUANTITIES
+from instron.workbook import Sheet, is_workbook, sheets
 
 USUAL_UNITS = {"time": "s", "displacement": "mm", "force": "N"}
 ONE_TEST = "MTS793|"  # a format that keeps the buffers of one test in one file
@@ -52,7 +53,8 @@ def read(
     Parameters
     ----------
     path
-        CSV or text export of Bluehill, Merlin, Series IX, Zwick, MTS, Shimadzu and the like.
+        CSV or text export of Bluehill, Merlin, Series IX, Zwick, MTS, Shimadzu and the like, or a
+        workbook (.xlsx, .xls, .ods), every sheet of which may hold specimens.
     columns
         Which heading is which quantity, where the file leaves a doubt: ``{"force": "Kraft Ist"}``
         (or ``"#4"``, the fourth column); the others are found as ever. For a file without a header
@@ -79,8 +81,52 @@ def read(
     """
     path = Path(path)
     told = _told_of(path, columns, units or {})
-    source = open_source(path)
-    return _read_source(source, told, None if isinstance(columns, Mapping) else columns)
+    bare = None if isinstance(columns, Mapping) else columns
+    if is_workbook(path):
+        return _read_workbook(path, told, bare)
+    return _read_source(open_source(path), told, bare)
+
+
+def _read_workbook(path: Path, told: Told, bare: Sequence[str] | None) -> list[pd.DataFrame]:
+    """Return the logs of every sheet that holds one; the others are named."""
+    logs: list[pd.DataFrame] = []
+    other: list[str] = []
+    for sheet in sheets(path):
+        try:
+            found = _read_source(sheet.source, told, bare)
+        except NoLog as reason:
+            other.append(f"sheet '{sheet.name}' is no force log")
+            first = reason
+            continue
+        except Unreadable as error:
+            if sheet.hollow is None:
+                raise
+            raise Unreadable(
+                f"{sheet.source.path}: line {sheet.hollow}: a formula without a value: open the"
+                " workbook in a spreadsheet program and save it"
+            ) from error
+        logs += [_of_sheet(log, path, sheet, len(found)) for log in found]
+    if not logs and other:
+        raise NoLog(str(first) if len(other) == 1 else f"{path}: no sheet holds a force log")
+    if not logs:
+        raise NoLog(f"{path}: the workbook is empty")
+    for log in logs:
+        log.attrs["choices"] += other
+    return logs
+
+
+def _of_sheet(log: pd.DataFrame, path: Path, sheet: Sheet, alike: int) -> pd.DataFrame:
+    """Write into a log where in its workbook it comes from."""
+    if log.attrs["specimen"] == sheet.source.path.stem and alike == 1:
+        log.attrs["specimen"] = sheet.name
+    log.attrs |= {"source": str(path), "file": path.name, "sheet": sheet.name}
+    for quantity, column in log.attrs["columns"].items():
+        count = sheet.formulas.get(column["index"], 0)
+        if count:
+            log.attrs["choices"].append(
+                f"{quantity}: {count} cells are formulas; the values kept with them were read"
+            )
+    return log
 
 
 def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list[pd.DataFrame]:
@@ -143,7 +189,7 @@ def _find(source: Source, told: Told, bare: Sequence[str] | None) -> tuple[str, 
             )  # fmt: skip
             if header is not None:
                 return delimiter, header
-    raise Unreadable(f"{source.path}: {_why_no_header(source.lines, told)}")
+    raise NoLog(f"{source.path}: {_why_no_header(source.lines, told)}")
 
 
 def _told(lines: list[str], delimiter: str, columns: Sequence[str]) -> Header | None:

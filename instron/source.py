@@ -19,6 +19,12 @@ HEAD_BYTES = 1 << 16
 CHUNK = 1 << 18  # fits a core's cache
 FOREIGN = {"CR": b"\r", "CRCRLF": b"\r\r\n"}  # line ends that are rewritten
 RETURN, NEWLINE = b"\r\n"
+BLUEHILL = "export the raw data from Bluehill as CSV (Method: Export; or Results: Export raw data)"
+FORMATS = {b"TDAT": f"a Bluehill data file (.id_*); {BLUEHILL}"}
+SUFFIXES = {
+    suffix: "a testXpert series; export the specimens from testXpert as ASCII (.TRA, .txt) or Excel"
+    for suffix in (".zs2", ".zp2", ".zse")
+}
 ENCODINGS = ("gb18030", "shift_jis", "big5", "cp949", "cp1251", "cp1250", "cp850", "mac_roman")
 
 
@@ -149,6 +155,7 @@ def open_source(path: Path) -> Source:
     if data[-1:] == b"\x1a":  # DOS ends a text file so
         data = data[:].rstrip(b"\x1a")
     start = data[:HEAD_BYTES]
+    _refuse_binary(path, start)
     utf16 = _utf16(start)
     if utf16:
         return _rewritten(path, _decode_utf16(path, data, utf16), "utf-16", "utf-8")
@@ -208,16 +215,22 @@ def _rewritten(path: Path, text: str, written: str, encoding: str) -> Source:
     return Source(path, data, encoding, written, newline, on_disk=False)
 
 
+def _refuse_binary(path: Path, start: bytes) -> None:
+    """Refuse what testing machines save for themselves, with how to export it."""
+    why = next((why for mark, why in FORMATS.items() if start.startswith(mark)), None)
+    why = why or SUFFIXES.get(path.suffix.lower())
+    if why:
+        raise Unreadable(f"{path}: {why}")
+
+
 def _refuse_foreign(path: Path, data: mmap.mmap | bytes, start: str) -> None:
     """Refuse what is no text table, by its first characters."""
     opening = start[:200].lstrip("\ufeff\u00ef\u00bb\u00bf \r\n\t")
     if opening.startswith("<"):
         raise Unreadable(
-            f"{path}: line 1: an XML or HTML file (a Bluehill .is_tens sample or method?), not an"
-            " export; export the raw data as CSV"
+            f"{path}: line 1: an XML or HTML file, not an export; of a Bluehill sample or method"
+            f" (.is_*, .im_*) {BLUEHILL}"
         )
-    if opening.startswith(("PK\x03\x04", "\u00d0\u00cf\u0011\u00e0")):
-        raise Unreadable(f"{path}: a spreadsheet workbook, not text; save the sheet as CSV")
     zero = data.find(b"\0")
     if zero >= 0:
         line = data[:zero].count(b"\n") + 1

@@ -15,7 +15,19 @@ import instron
 from combing.errors import UserError
 
 FEWEST = 4  # repeats for which the band's coverage was measured to hold
-SUFFIXES = {".csv", ".txt", ".tra", ".dat", ".tsv", ".asc", ".lvm"}
+SUFFIXES = {
+    ".csv",
+    ".txt",
+    ".tra",
+    ".dat",
+    ".tsv",
+    ".asc",
+    ".lvm",
+    ".xlsx",
+    ".xlsm",
+    ".xls",
+    ".ods",
+}
 
 
 @click.command()
