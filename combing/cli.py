@@ -12,6 +12,7 @@ from combing.errors import is_users_fault
 
 COMMANDS = {
     "photo": "combing.commands.photo",
+    "edit": "combing.commands.edit",
     "helix": "combing.commands.helix",
     "force": "combing.commands.force",
     "simulate": "combing.commands.simulate",

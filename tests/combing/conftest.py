@@ -1,11 +1,10 @@
 """A headless browser for the tests of pages."""
 
-import shutil
 import subprocess
 
 import pytest
+from browser import NAMES, installed
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = [
     "--headless",
     "--disable-gpu",
@@ -22,7 +21,7 @@ FLAGS = [
 @pytest.fixture
 def open_page(tmp_path):
     """Open a page; return its DOM and what the browser logged. Skip where there is no browser."""
-    browser = next(filter(None, map(shutil.which, NAMES)), None)
+    browser = installed()
     if browser is None:
         pytest.skip(f"no browser: none of {', '.join(NAMES)} is installed")
 
