@@ -22,7 +22,7 @@ FLAGS = [
     "--remote-debugging-pipe",
 ]  # fmt: skip
 KEYS = {"Enter": 13, "Escape": 27, "Backspace": 8, "Delete": 46}
-CONTROL = 2  # bit of the modifier keys
+CONTROL, SHIFT = 2, 8  # bits of the modifier keys
 WAIT = 60.0  # s
 
 
@@ -138,9 +138,9 @@ class Page:
         """Move the mouse to a point of the photograph."""
         self._mouse("mouseMoved", *self.on_screen(x, y))
 
-    def click(self, x: float, y: float) -> None:
+    def click(self, x: float, y: float, shift: bool = False) -> None:
         """Click a point of the photograph."""
-        self.click_screen(*self.on_screen(x, y))
+        self.click_screen(*self.on_screen(x, y), SHIFT * shift)
 
     def press(self, element: str) -> None:
         """Click an element of the page, by its id."""
@@ -151,11 +151,11 @@ class Page:
         )
         self.click_screen(*middle)
 
-    def click_screen(self, x: float, y: float) -> None:
+    def click_screen(self, x: float, y: float, modifiers: int = 0) -> None:
         """Click a point of the window [px]."""
-        self._mouse("mouseMoved", x, y)
+        self._mouse("mouseMoved", x, y, modifiers=modifiers)
         for kind in ("mousePressed", "mouseReleased"):
-            self._mouse(kind, x, y, button="left", clickCount=1)
+            self._mouse(kind, x, y, button="left", clickCount=1, modifiers=modifiers)
         self.clicks += 1
 
     def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:

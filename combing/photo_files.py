@@ -19,7 +19,7 @@ from imaging.measure import Measured
 from imaging.photo.decode import refuse_unless_file
 from imaging.report.figures import histogram, kymograph
 from imaging.report.imagej import available, write_rois
-from imaging.report.overlay import draw_overlay, labels_picture, overlay_svg
+from imaging.report.overlay import as_jpeg, draw_overlay, labels_picture, overlay_svg
 from imaging.report.tables import (
     columns_of,
     crossings_table,
@@ -48,7 +48,7 @@ corner of the first pixel: add 0.5 (`rois.zip` has it added). An empty cell is u
   without sections
 - `link.csv` link density lambda(s) of each pair of strands that wind round each other
 - `labels.png` strand number of each pixel, 0 = background, the top strand wins
-- `overlay.png`, `overlay.svg` what was found, over the photograph: a ring is a crossing, the bar in
+- `overlay.jpg`, `overlay.svg` what was found, over the photograph: a ring is a crossing, the bar in
   it lies along the strand on top and is missing when that is unknown; a long outline is unresolved
   contact
 - `rois.zip` the same for ImageJ's ROI manager (with the extra `formats`)
@@ -132,7 +132,7 @@ def _fill(folder: Path, name: str, measured: Measured) -> None:
         measured.unresolved,
     )  # fmt: skip
     _write_picture(folder / "labels.png", labels_picture(measured.segmentation, measured.strands))
-    _write_picture(folder / "overlay.png", draw_overlay(*found)[..., ::-1])
+    (folder / "overlay.jpg").write_bytes(as_jpeg(draw_overlay(*found)))
     (folder / "overlay.svg").write_text(overlay_svg(*found), encoding="utf-8")
     if available():
         write_rois(folder / "rois.zip", *found[2:])

@@ -20,6 +20,11 @@ def reach(strand: Strand) -> float:
     return max(AT_LEAST, NEAR * float(np.median(strand.width)))
 
 
+def beside(strand: Strand) -> float:
+    """How far a line may be from a strand to be the same and not its neighbour's [px]."""
+    return reach(strand) / 2
+
+
 def direction(strand: Strand, at: int) -> np.ndarray:
     """Return the unit vector along a strand at its point `at`, root to tip."""
     half = max(2, round(CHORD * float(np.median(strand.width))))
@@ -71,3 +76,8 @@ def share_along(line: np.ndarray, other: np.ndarray, near: float) -> float:
     """Share of a line's length within `near` [px] of another line."""
     even, dense = resample(np.asarray(line, float)), resample(np.asarray(other, float))
     return float((cKDTree(dense).query(even)[0] <= near).mean())
+
+
+def apart(line: np.ndarray, other: np.ndarray) -> float:
+    """Mean distance of a line's points from another line [px]."""
+    return float(cKDTree(resample(np.asarray(other, float))).query(line)[0].mean())

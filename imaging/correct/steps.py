@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from imaging.correct.anchors import ending, passing, reach, share_along
+from imaging.correct.anchors import apart, beside, ending, passing, share_along
 from imaging.correct.schema import Anchor, Delete, Draw, Exchange, Join, Only, Split
 from imaging.correct.snap import snap
 from imaging.photo import Photo
@@ -19,7 +19,9 @@ from imaging.trace import Strand
 
 APPLIED, ALREADY, MISFIT = "applied", "already so", "no longer fits"
 COVERED = 0.8  # of a line's length along a strand, for the two to be the same
+SAME = 0.95  # of a drawn line along a strand, for it to be drawn already
 PIECE = 0.6  # of a strand's length along a drawn line, for it to be a piece of what was drawn
+CLOSE = 1.5  # px; of strands along a line to be deleted, those farther than twice the next stay
 TOUCH = 2.5  # px between two ends that need no bridge
 MEND = 3.0  # strand widths to both sides of a join that are measured anew
 
@@ -71,15 +73,16 @@ class Result(NamedTuple):
 def delete(strands: list[Handled], step: Delete, scene: Scene) -> Result:
     """Take away the strand along a line, unless it is mostly another by now."""
     line = np.array(step.line)
-    near = [reach(one.strand) for one in strands]
-    own = [share_along(one.strand.line, line, far) for one, far in zip(strands, near, strict=True)]
-    of_line = [
-        share_along(line, one.strand.line, far) for one, far in zip(strands, near, strict=True)
-    ]
-    gone = {i for i, share in enumerate(own) if share >= PIECE}
+    plain = _plain(strands)
+    near = {
+        i: apart(one.line, line)
+        for i, one in enumerate(plain)
+        if share_along(one.line, line, beside(one)) >= PIECE
+    }
+    gone = {i for i, far in near.items() if far <= max(CLOSE, 2 * min(near.values()))}
     if gone:
         return Result([one for i, one in enumerate(strands) if i not in gone])
-    if max(of_line, default=0) >= 1 - PIECE:
+    if any(share_along(line, one.line, beside(one)) >= 1 - PIECE for one in plain):
         return Result(strands, MISFIT, "the strand there is mostly another by now")
     return Result(strands, ALREADY, "no strand lies there")
 
@@ -153,16 +156,16 @@ def _exchanged(
 
 
 def draw(strands: list[Handled], step: Draw, scene: Scene) -> Result:
-    """Add the strand along a line; measured strands that lie along it are pieces of it."""
+    """Add the strand along a line; what lies along it and was not drawn are pieces of it."""
     line = np.array(step.points)
     for one in strands:
-        if share_along(line, one.strand.line, reach(one.strand)) >= COVERED:
+        if one.by != "drawn" and share_along(line, one.strand.line, beside(one.strand)) >= SAME:
             return Result(strands, ALREADY, "a strand lies there")
     made = measured_by_hand(line, scene)
     rest = [
         one
         for one in strands
-        if share_along(one.strand.line, made.line, 0.5 * reach(one.strand)) < PIECE
+        if one.by == "drawn" or share_along(one.strand.line, made.line, beside(one.strand)) < PIECE
     ]
     return Result([*rest, Handled(made, "drawn")])
 
@@ -182,7 +185,7 @@ def only(strands: list[Handled], step: Only, scene: Scene) -> Result:
 
 
 def _same(strand: Strand, line: np.ndarray) -> bool:
-    near = reach(strand)
+    near = beside(strand)
     return min(share_along(strand.line, line, near), share_along(line, strand.line, near)) > COVERED
 
 

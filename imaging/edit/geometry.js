@@ -93,6 +93,12 @@ function shareAlong(line, other, near) {
   return points.filter((p) => nearest(other, p).far <= near).length / points.length;
 }
 
+// Mean distance of a line from another.
+function apart(line, other) {
+  const points = evenly(line, 5);
+  return points.reduce((sum, p) => sum + nearest(other, p).far, 0) / points.length;
+}
+
 // Where two lines cross.
 function meetings(one, other) {
   const found = [];

@@ -127,7 +127,7 @@ function act(name) {
 }
 
 function click(point, event) {
-  if (mode === "draw") return addPoint(point);
+  if (mode === "draw") return addPoint(point, event.shiftKey);
   if (mode === "ground" || mode === "colour") return nameColour(point);
   const thing = thingAt(point);
   if (mode === "join" && thing && thing.strand && chosen && thing.strand !== chosen.strand) {
@@ -145,10 +145,10 @@ function setMode(to) {
 
 // ---- drawing
 
-function addPoint(point) {
+function addPoint(point, straight) {
   const previous = last(pen.points);
   if (previous && distance(previous, point) < 2 * screenScale()) return finish();
-  const leg = previous ? legTo(point) : [point];
+  const leg = previous ? legTo(point, straight) : [point];
   pen.points.push(point);
   pen.path.push(leg);
   if (wire) wire.start(point);
@@ -156,7 +156,8 @@ function addPoint(point) {
   show();
 }
 
-const legTo = (point) => (wire && wire.seed ? wire.to(point) : [last(pen.points), point]);
+const legTo = (point, straight) =>
+  (wire && wire.seed && !straight ? wire.to(point) : [last(pen.points), point]);
 const drawn = () => pen.path.reduce((line, leg) => [...line, ...leg.slice(line.length ? 1 : 0)], []);
 
 function takeBack() {
@@ -379,7 +380,7 @@ function namedItem(key, colour) {
 const HINTS = {
   select: "click a strand or a crossing",
   join: "click the strand it goes on as",
-  draw: "click along the strand; click its end twice, or Enter",
+  draw: "click along the strand (Shift: straight); click its end twice, or Enter",
   ground: "click the ground",
   colour: "click strands, one of each colour",
 };
@@ -435,7 +436,7 @@ view.addEventListener("pointermove", (event) => {
     view.classList.add("grab");
     const scale = screenScale();
     look({ ...press.box, x: press.box.x - (event.clientX - press.x) * scale, y: press.box.y - (event.clientY - press.y) * scale });
-  } else if (!press) hover(pictureAt(event));
+  } else if (!press) hover(pictureAt(event), event.shiftKey);
 });
 
 view.addEventListener("pointerup", (event) => {
@@ -451,10 +452,10 @@ view.addEventListener("wheel", (event) => {
   zoom(Math.exp(Math.sign(event.deltaY) * 0.2), pictureAt(event));
 }, { passive: false });
 
-function hover(point) {
+function hover(point, straight) {
   if (mode === "draw") {
     if (pen.points.length) {
-      pen.ahead = legTo(point);
+      pen.ahead = legTo(point, straight);
       showPen();
     }
     return;

@@ -20,10 +20,10 @@ from imaging.correct import Corrections
 from imaging.edit.wire import wire_cost
 from imaging.measure import Measured
 from imaging.photo import Photo
+from imaging.report.overlay import as_jpeg, few_points
 from imaging.trace.centreline import arclength
 
 SCRIPTS = ("geometry.js", "steps.js", "wire.js", "page.js")
-QUALITY = 88  # of the photograph's JPEG
 OFF = 0.25  # px by which a shown line may be off
 GUESS = 1 / 90  # of the picture's shorter side: a strand's width where none was measured
 
@@ -95,8 +95,8 @@ def _data(
         found = _found(measured)
     return found | {
         "photograph": {"name": Path(photo.source).name, "width": across, "height": height},
-        "picture": _picture(photo.eight_bits()[..., ::-1], ".jpg"),
-        "wire": {"picture": _picture(cost, ".png"), "scale": scale},
+        "picture": _url("jpeg", as_jpeg(photo.eight_bits())),
+        "wire": {"picture": _url("png", cv2.imencode(".png", cost)[1].tobytes()), "scale": scale},
         "width": round(float(width), 2),
         "notes": ([refused] if refused else []) + ([] if measured is None else measured.notes),
         "corrections": {key: said[key] for key in ("ground", "colours", "strands", "steps")},
@@ -115,32 +115,31 @@ def _found(measured: Measured) -> dict[str, Any]:
         for row in table[table["kind"] == "inter"].to_dict("records")
     ]
     strands = [
-        {"line": _rounded(_few(strand.line)), "width": round(float(np.median(strand.width)), 2)}
+        {
+            "line": _rounded(few_points(strand.line, OFF)),
+            "width": round(float(np.median(strand.width)), 2),
+        }
         for strand in measured.strands
     ]
     contacts = []
     for row in measured.unresolved.to_dict("records"):
         line = measured.strands[row["strand_a"] - 1].line
         s = arclength(line)
-        contacts.append(_rounded(_few(line[(s >= row["s_a_from"]) & (s <= row["s_a_to"])])))
+        contacts.append(
+            _rounded(few_points(line[(s >= row["s_a_from"]) & (s <= row["s_a_to"])], OFF))
+        )
     sections = 20 if measured.interactions is None else measured.interactions.attrs["n_sec"]
     return {"strands": strands, "crossings": crossings, "contacts": contacts, "sections": sections}
 
 
-def _few(line: np.ndarray) -> np.ndarray:
-    """Fewer points of a line, none of the others farther than OFF from it."""
-    if len(line) < 3:
-        return line
-    return cv2.approxPolyDP(line.astype(np.float32)[:, None], OFF, False)[:, 0]
+def _shown(line: np.ndarray) -> list:
+    """Return a line as the page draws it."""
+    return _rounded(few_points(line, OFF))
 
 
 def _rounded(points: np.ndarray) -> list:
     return np.round(points.astype(float), 2).tolist()
 
 
-def _picture(pixels: np.ndarray, kind: str) -> str:
-    """Encode a picture (BGR or grey) as a data URL."""
-    quality = [cv2.IMWRITE_JPEG_QUALITY, QUALITY] if kind == ".jpg" else []
-    coded = cv2.imencode(kind, np.ascontiguousarray(pixels), quality)[1].tobytes()
-    mime = "image/jpeg" if kind == ".jpg" else "image/png"
-    return f"data:{mime};base64,{base64.b64encode(coded).decode()}"
+def _url(kind: str, coded: bytes) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(coded).decode()}"

@@ -5,9 +5,13 @@
 const ASKEW = (40 * Math.PI) / 180; // between a strand's direction and the one noted
 const PIECE = 0.6; // of a strand's length along a line, for it to be a piece of it
 const COVERED = 0.8; // of a line's length along a strand, for the two to be the same
+const SAME = 0.95; // of a drawn line along a strand, for it to be drawn already
+
+const CLOSE = 1.5; // px; of strands along a line to be deleted, those farther than twice the next stay
 
 const APPLIED = "applied", ALREADY = "already so", MISFIT = "no longer fits";
 const reach = (strand) => Math.max(6, strand.width);
+const beside = (strand) => reach(strand) / 2; // farther, a line is its neighbour's
 const along = (strand, s) => directionAt(strand.line, s, Math.max(2, strand.width));
 const anchor = (strand, s, sign = 1) => ({
   at: rounded(pointAt(strand.line, s)),
@@ -116,9 +120,11 @@ const cut = (line, s) => [part(line, 0, s), part(line, s, Infinity)];
 
 const DO = {
   delete(state, step) {
-    const gone = state.strands.filter((one) => shareAlong(one.line, step.line, reach(one)) >= PIECE);
+    const found = state.strands.filter((one) => shareAlong(one.line, step.line, beside(one)) >= PIECE);
+    const far = found.map((one) => apart(one.line, step.line)), least = Math.min(...far);
+    const gone = found.filter((_, i) => far[i] <= Math.max(CLOSE, 2 * least));
     if (!gone.length) {
-      const lies = state.strands.some((one) => shareAlong(step.line, one.line, reach(one)) >= 1 - PIECE);
+      const lies = state.strands.some((one) => shareAlong(step.line, one.line, beside(one)) >= 1 - PIECE);
       return [state, lies ? MISFIT : ALREADY];
     }
     return [without(state, new Set(gone.map((one) => one.id)))];
@@ -166,11 +172,11 @@ const DO = {
   },
 
   draw(state, step) {
-    if (state.strands.some((one) => shareAlong(step.points, one.line, reach(one)) >= COVERED)) {
+    const found = state.strands.filter((one) => one.by !== "drawn");
+    if (found.some((one) => shareAlong(step.points, one.line, beside(one)) >= SAME)) {
       return [state, ALREADY];
     }
-    const pieces = state.strands.filter(
-      (one) => shareAlong(one.line, step.points, reach(one) / 2) >= PIECE);
+    const pieces = found.filter((one) => shareAlong(one.line, step.points, beside(one)) >= PIECE);
     const rest = without(state, new Set(pieces.map((one) => one.id)));
     const width = pieces.length ? pieces[0].width : typicalWidth;
     return [added({ ...rest, width }, step.points)];
@@ -186,8 +192,8 @@ const DO = {
   },
 
   only(state, step) {
-    const same = (one, line) => Math.min(shareAlong(one.line, line, reach(one)),
-      shareAlong(line, one.line, reach(one))) > COVERED;
+    const same = (one, line) => Math.min(shareAlong(one.line, line, beside(one)),
+      shareAlong(line, one.line, beside(one))) > COVERED;
     const kept = state.strands.filter((one) => step.lines.some((line) => same(one, line)));
     const gone = state.strands.filter((one) => !kept.includes(one)).map((one) => one.id);
     const missing = step.lines.filter((line) => !kept.some((one) => same(one, line)));

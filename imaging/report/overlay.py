@@ -17,6 +17,8 @@ from imaging.trace.centreline import arclength, normals
 SUBPIXEL_BITS = 4
 RING = "#ff00c8"  # a colour strands seldom have
 RING_RADIUS = 1.1  # strand widths
+QUALITY = 90  # of a photograph's JPEG
+OFF = 0.05  # px by which a line of the SVG may be off
 ASIDE = 1.4  # strand widths from a centreline to the outline of unresolved contact
 
 
@@ -152,8 +154,7 @@ def overlay_svg(
     SVG counts from the corner of the first pixel: picture points are shifted by half a pixel.
     """
     height, width = photo.shape
-    bgr = photo.eight_bits()[..., ::-1]
-    jpeg = base64.b64encode(cv2.imencode(".jpg", bgr)[1].tobytes()).decode()
+    jpeg = base64.b64encode(as_jpeg(photo.eight_bits())).decode()
     lines = [_svg_strand(i, s, segmentation) for i, s in enumerate(strands, start=1)]
     radius = RING_RADIUS * segmentation.width
     rings = [_svg_ring(row, radius) for row in crossings.to_dict("records")]
@@ -176,10 +177,23 @@ def overlay_svg(
     )
 
 
+def as_jpeg(rgb: np.ndarray) -> bytes:
+    """Encode a picture (h, w, 3) as JPEG, a tenth of a photograph's PNG."""
+    bgr = np.ascontiguousarray(rgb[..., ::-1])
+    return cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])[1].tobytes()
+
+
+def few_points(line: np.ndarray, off: float) -> np.ndarray:
+    """Leave points out of a line of which none is farther than `off` [px] from what is left."""
+    if len(line) < 3:
+        return line
+    return cv2.approxPolyDP(line.astype(np.float32)[:, None], off, False)[:, 0]
+
+
 def _svg_strand(number: int, strand: Strand, segmentation: Segmentation) -> str:
     red, green, blue = _ink(segmentation.colours[strand.colour])
     ink = f"#{red:02x}{green:02x}{blue:02x}"
-    points = " ".join(f"{x:.2f},{y:.2f}" for x, y in strand.line + 0.5)
+    points = " ".join(f"{x:.2f},{y:.2f}" for x, y in few_points(strand.line, OFF) + 0.5)
     return f'<polyline stroke="{ink}" points="{points}"><title>strand {number}</title></polyline>'
 
 

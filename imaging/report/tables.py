@@ -17,7 +17,7 @@ TANGENT = 1.5  # strand widths; at crossings, where edges are hidden, centreline
 LINK_COLUMNS = ["strand_a", "strand_b", "s", "x", "y", "link_per_px", "sd_per_px", "R", "R_sd"]
 DICTIONARY = {
     "photo": "name of the photograph's file",
-    "strand": "strand number from 1, as in labels.png and overlay.png",
+    "strand": "strand number from 1, as in labels.png and overlay.jpg",
     "s": "arclength from the root (upper end) [px]; in link.csv along the axis of the pair",
     "x": "position, right of the first pixel's centre [px]; in link.csv of the axis",
     "y": "position, below the first pixel's centre [px]; in link.csv of the axis",

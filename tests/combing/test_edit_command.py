@@ -145,6 +145,18 @@ def test_draw_a_strand_that_snaps_to_its_ridge(page, photo):
     assert off(found.strands[found.hand.by.index("drawn")].line, gone).mean() < 0.5
 
 
+def test_shift_draws_straight(page):
+    page.key("d")
+    page.click(30, 30)
+    page.click(200, 220, shift=True)
+    assert len(page.value("drawn()")) == 2
+    page.key("Backspace")
+    page.click(200, 220)
+    assert len(page.value("drawn()")) > 2
+    page.key("Escape")
+    assert state(page)["outcomes"] == []
+
+
 def test_swap_who_is_on_top_and_say_unknown(page, photo):
     first, second = state(page)["crossings"][:2]
     page.click(*first["at"])

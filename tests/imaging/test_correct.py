@@ -187,6 +187,21 @@ def test_a_strand_that_grew_is_not_deleted_with_the_piece_it_was():
     assert applied(Delete(line=[(3, 3), (3, 40)]))[2] == [ALREADY]
 
 
+def test_the_neighbour_of_a_strand_is_not_deleted_with_it():
+    strand = scene()[2][0]
+    neighbour = replace(strand, line=strand.line + [2.5, 0])  # much nearer than they are wide
+    made, _, outcomes = applied(Delete(line=line_of(strand)), strands=[neighbour, strand])
+    assert outcomes == [APPLIED]
+    assert made == [neighbour]
+
+
+def test_a_strand_drawn_beside_another_drawn_one_leaves_it():
+    lines = [[tuple(p) for p in waves()[0][::20] + [shift, 0]] for shift in (0, 2)]
+    made, hand, outcomes = applied(*(Draw(points=line) for line in lines), strands=[])
+    assert outcomes == [APPLIED, APPLIED]
+    assert hand.by == ["drawn", "drawn"]
+
+
 def test_joined_already_and_drawn_already():
     strands = scene()[2]
     join = Join(start=anchor(strands[0], 80), to=anchor(strands[0], 100, -1))

@@ -9,7 +9,7 @@ from drawn.strands import Look, render
 from imaging import Photo
 from imaging.measure import Measured, measure
 from imaging.report.imagej import write_rois
-from imaging.report.overlay import labels_picture, overlay_svg
+from imaging.report.overlay import few_points, labels_picture, overlay_svg
 from imaging.report.tables import crossings_table, densities_table, strands_table
 from imaging.scale import Request, parse_scale
 
@@ -156,3 +156,12 @@ def test_the_overlay_says_who_is_on_top(above):
     assert known.count("<line ") == 1
     assert unknown.count("<line ") == 0
     assert "on top: unknown" in unknown
+
+
+def test_lines_of_the_svg_have_few_points_and_stay_in_place():
+    y = np.linspace(0, 900, 900)
+    line = np.stack([50 * np.sin(y / 60), y], axis=1)
+    few = few_points(line, 0.05)
+    assert len(few) < len(line) / 4
+    between = np.stack([np.interp(y, few[:, 1], few[:, 0]), y], axis=1)
+    assert np.abs(between - line).max() < 0.08  # 0.05 across it
