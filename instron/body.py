@@ -8,6 +8,7 @@ by line, so that a refusal can name the line.
 import re
 import warnings
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -110,9 +111,7 @@ def _quick(source: Source, start: int, header: Header, delimiter: str, first: st
     if any(table[i].dtype.kind not in "fi" for i in header.used()):
         return None
     values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
-    gaps = any(np.isnan(column).any() for column in values.values())
-    torn = header.first_unnamed() in table and table[header.first_unnamed()].notna().any()
-    if torn or (gaps and len(header.specimens) == 1):
+    if header.first_unnamed() in table and _filled(table[header.first_unnamed()]):
         return None
     if not _quotes_are_whole(source, start, len(table), delimiter):
         return None
@@ -122,10 +121,21 @@ def _quick(source: Source, start: int, header: Header, delimiter: str, first: st
     return Body(header, values, lines, marks[0], marks[1] is not None)
 
 
+def _filled(column: pd.Series) -> bool:
+    """Tell whether a column without a name holds anything: cells were torn apart."""
+    return bool((column.notna() & (column.astype(str) != "")).any())
+
+
 def _pandas(
     source: Source, header: Header, delimiter: str, marks: tuple[str, str | None], start: int
 ) -> pd.DataFrame | None:
-    """Return the C reader's table, or None where it stumbles."""
+    """Return the C reader's table, or None where it stumbles, as at an empty cell.
+
+    Only specimens side by side may have some, where one is shorter.
+    """
+    form: dict[str, Any] = {"na_filter": False, "dtype": dict.fromkeys(header.used(), float)}
+    if len(header.specimens) > 1:
+        form = {}
     try:
         with warnings.catch_warnings(), source.opened(start) as body:
             warnings.simplefilter("ignore")
@@ -138,6 +148,7 @@ def _pandas(
                 thousands=marks[1],
                 encoding_errors="replace",  # digits are ASCII; latin-1 is twice as slow
                 engine="c",
+                **form,
             )
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError):
         return None

@@ -6,7 +6,7 @@ question: nobody's first column is taken for want of a better reason.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -17,6 +17,7 @@ from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.units import Unit, read_unit
 from instron.words import QUANTITIES, SPECIMEN, plain
 
+FIRST = 100  # rows by which a column is filled or not
 SPARSE = 0.5  # a column filled less than this, up to its last number, belongs to another logger
 # A1, S12: a specimen's label; X1, F2, C3, V4, I5, L6, U7 may be an axis, a symbol or a channel.
 _LABEL = re.compile(r"(?:^|[\s_.:/-])[ABDEGHKMNOPQRSTW]\d+(?=$|[\s_.:/-])", re.IGNORECASE)
@@ -55,22 +56,27 @@ class Choice:
 class Sample:
     """The rows below a header, as far as they are at hand."""
 
-    def __init__(self, rows: Sequence[Sequence[str]]) -> None:
-        self.rows = rows
+    def __init__(self, lines: Sequence[str], split: Callable[[str], list[str]]) -> None:
+        self._lines, self._split = lines, split
+        self.rows = [split(line) for line in lines[:FIRST]]
 
-    def _column(self, index: int) -> list[str]:
-        return [row[index].strip() if index < len(row) else "" for row in self.rows]
+    def _column(self, index: int, rows: Sequence[Sequence[str]]) -> list[str]:
+        return [row[index].strip() if index < len(row) else "" for row in rows]
 
     def fill(self, index: int) -> float:
         """Return how much of a column holds numbers, up to the last one that it holds."""
-        numeric = [looks_numeric(cell) for cell in self._column(index)]
+        numeric = [looks_numeric(cell) for cell in self._column(index, self.rows)]
         last = max((i for i, found in enumerate(numeric) if found), default=-1)
         return sum(numeric) / (last + 1) if last >= 0 else 0.0
 
     def words(self, index: int) -> bool:
         """Tell whether most filled cells hold something else than a number."""
-        filled = [cell for cell in self._column(index) if cell]
+        filled = [cell for cell in self._column(index, self.rows) if cell]
         return bool(filled) and sum(map(looks_numeric, filled)) < len(filled) / 2
+
+    @cached_property
+    def _more(self) -> list[list[str]]:
+        return [self._split(line) for line in self._lines]
 
     @cached_property
     def _mark(self) -> str:
@@ -82,7 +88,7 @@ class Sample:
     def same(self, one: Heading, i: int, other: Heading, j: int) -> bool:
         """Tell whether two columns hold the same lengths or forces, in whatever units."""
         try:
-            a, b = (to_numbers(self._column(k), self._mark)[0] for k in (i, j))
+            a, b = (to_numbers(self._column(k, self._more), self._mark)[0] for k in (i, j))
         except Unclear:
             return False
         for values, heading in ((a, one), (b, other)):

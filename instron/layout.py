@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass, field
+from functools import partial
 
 from instron.columns import Sample, Specimen, Told, choose, from_units_alone, might_be
 from instron.headings import read_heading
@@ -79,16 +80,17 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
     following = _first_row(lines, following, delimiter, len(names))
     if following >= len(lines) or not _promises(names, units, told):
         return None
-    if sum(map(looks_numeric, split_cells(lines[following], delimiter))) < 2:
+    first = split_cells(lines[following], delimiter)
+    if sum(map(looks_numeric, first)) < 2:
         return None
-    rows = [split_cells(x, delimiter) for x in lines[following : following + SAMPLE]]
-    choice = choose(names, units, Sample(rows), told)
+    below = lines[following : following + SAMPLE]
+    choice = choose(names, units, Sample(below, partial(split_cells, delimiter=delimiter)), told)
     if not choice.specimens and units is None and not _named_above(lines, number, delimiter):
         choice = from_units_alone(names)
-    header = Header(number, following, len(rows[0]), names, choice.specimens, choice.notes,
+    header = Header(number, following, len(first), names, choice.specimens, choice.notes,
                     choice.question, place, choice.doubts)  # fmt: skip
-    shifted = delimiter == "spaces" and len(rows[0]) != len(names)
-    if not choice.specimens or shifted or not is_row(rows[0], header.used()):
+    shifted = delimiter == "spaces" and len(first) != len(names)
+    if not choice.specimens or shifted or not is_row(first, header.used()):
         return None
     return header
 

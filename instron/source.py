@@ -54,6 +54,7 @@ class Source:
         except UnicodeDecodeError:
             return data.decode("cp1252", errors="replace")
 
+    @cached_property
     def count(self) -> int:
         """Return the number of lines."""
         text = np.frombuffer(self.data, dtype=np.uint8)
