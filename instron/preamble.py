@@ -1,6 +1,7 @@
 """What stands before the data: metadata, specimen names, and results the file itself states."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from instron.headings import split_unit
@@ -16,6 +17,7 @@ MAXIMUM = word_set(
 LOAD = word_set("load force kraft last carga charge forza carico fmax hochstkraft maximalkraft")
 # What may stand beside those two without making it another quantity or another place.
 BESIDE = word_set("tensile compressive compression flexure flexural standard test value the of")
+LONGEST_TABLE = 60  # lines
 _WORDS = re.compile(r"[^\W\d_]{3}")
 LABEL = re.compile(r"specimen (label|name|id)|sample (name|id|label)|^specimen$|^sample$|probe\b")
 
@@ -71,10 +73,10 @@ def _is_name(cell: str) -> bool:
     return plain(cell) not in {"name", "specimen", "sample", "unit", "title"}
 
 
-def stated_maxima(lines: list[str], delimiter: str) -> list[StatedMaximum]:
+def stated_maxima(lines: Mapping[int, str], delimiter: str) -> list[StatedMaximum]:
     """Return every maximum load stated in these lines, in key-value or table form."""
     found = []
-    for number, line in enumerate(lines):
+    for number, line in lines.items():
         if not _WORDS.search(line):
             continue
         cells = split_cells(line, delimiter)
@@ -103,10 +105,13 @@ def _beside(cells: list[str], index: int, number: int) -> list[StatedMaximum]:
     return [] if value is None else [StatedMaximum(value, unit, number, cells[index])]
 
 
-def _below(lines: list[str], number: int, index: int, delimiter: str) -> list[StatedMaximum]:
+def _below(
+    lines: Mapping[int, str], number: int, index: int, delimiter: str
+) -> list[StatedMaximum]:
     """Read a results table: the column under ``Maximum Load``, its unit in the cell or a row."""
     unit, found = split_unit(split_cells(lines[number], delimiter)[index])[1], []
-    for offset, line in enumerate(lines[number + 1 : number + 60], start=1):
+    for offset in range(1, LONGEST_TABLE):
+        line = lines.get(number + offset, "")
         cells = split_cells(line, delimiter)
         cell = cells[index] if index < len(cells) else ""
         if offset == 1 and read_unit(cell):

@@ -135,8 +135,7 @@ def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list
     taken = _logs_only(bodies)
     logs = joined(taken, source.head[0].startswith(ONE_TEST))
     _refuse_questions(source, logs)
-    lines = source.head[: header.line] if len(bodies) == 1 else source.lines
-    stated = stated_maxima(lines, delimiter)
+    stated = stated_maxima(_outside(source, bodies, taken), delimiter)
     odd = {body.cut: LOST for body in bodies if body.cut is not None}
     tables = [
         _table(source, body, number, delimiter, told, odd)
@@ -146,6 +145,20 @@ def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list
     _check_together(source, tables, stated)
     _account(tables, ledger(source, bodies, taken, odd, delimiter))
     return tables
+
+
+def _outside(source: Source, bodies: list[Body], taken: list[Body]) -> dict[int, str]:
+    """Return the lines that are no data of a log, of a single table those above it."""
+    numbers: list[int] = []
+    above = 0
+    for body in bodies:
+        numbers += range(above, body.header.line if len(bodies) == 1 else body.header.first_row)
+        if not any(body is log for log in taken):
+            numbers += map(int, body.lines)
+        above = int(body.lines[-1]) + 1
+    if len(bodies) > 1:
+        numbers += range(above, source.count)
+    return {number: source.line(number) for number in numbers}
 
 
 def _account(tables: list[pd.DataFrame], found: Ledger) -> None:
