@@ -36,6 +36,7 @@ from instron.words import (
 
 LONGEST_NAME = 200
 _BRACKET = re.compile(r"[(\[<{]\s*([^()\[\]<>{}]*?)\s*[)\]>}]")
+_OPEN = re.compile(r"[(\[<{][^()\[\]<>{}]*$")
 _APART = re.compile(r"\s+in\s+|[\s_/,|:;.\-\u2013=]+")
 # Load/10, Load x10, 1000*Load: arithmetic that the numbers have been through.
 _ARITHMETIC = re.compile(
@@ -122,7 +123,7 @@ def _split_unit(text: str) -> tuple[str, Unit | None]:
     core = text.rstrip(" _.-:")
     for gap in _APART.finditer(core):
         head, unit = core[: gap.start()], read_unit(core[gap.end() :])
-        if head and unit and head.count("(") == head.count(")") and _belongs(unit, head):
+        if head and unit and not _OPEN.search(head) and _belongs(unit, head):
             return head, unit
     alone = read_unit(text)
     if alone and alone.quantity in QUANTITIES and len(text) > 4:  # Newtons, Millimetres
@@ -169,9 +170,10 @@ def _unread(name: str, unit: Unit | None, below: str, under: Unit | None) -> str
         return f"'{name}' seems to have been multiplied or divided"
     for part in _BRACKET.findall(name):
         words = part.split()
-        units = [word for word in re.split(r"[\s\d*/^.]+", part)
-                 if (known := read_unit(word)) and known.quantity in QUANTITIES]  # fmt: skip
-        if units and re.search(r"\d|%", part) and not (unit or under):
+        units = [word for word in re.split(r"[\s\d*/^.,]+", part)
+                 if (known := read_unit(word)) and known.quantity in QUANTITIES
+                 and word.casefold() not in NEUTRAL]  # fmt: skip
+        if units and not (unit or under):
             return f"'{part}' is no unit that is known"
         alone = len(words) == 1 and len(part) <= 12 and not re.search(r"\d", part)
         last = name.rstrip(" )]").endswith(part) and not (unit or under or below.strip())

@@ -42,7 +42,7 @@ def _runs_on(before: Body, after: Body, one_test: bool) -> bool:
     if "time" not in specimen:
         return near and bool(abs(x[-1] - x[0]) > 10 * step > 0)
     t, u = (part.values[specimen["time"].index] for part in (last, after))
-    follows, pause = bool(t[-1] <= u[0] <= u[-1]), np.diff(t).max(initial=0.0)
+    follows, pause = bool(t[-1] <= u[0]), np.diff(t).max(initial=0.0)
     if one_test and near | (_cyclic(x) and _cyclic(y)):
         return follows
     return follows and near and bool(u[0] - t[-1] <= LONGEST_PAUSE * pause)

@@ -1,11 +1,14 @@
 """Random dialects and random damage: the reading is right, or refused, or flagged."""
 
 import csv
+import datetime
+import io
 import re
 import runpy
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -292,6 +295,122 @@ def readings(cell, decimal):
     return [v for v in found if v is not None and np.isfinite(v)]
 
 
+WORDS = {
+    "time": ["Time", "Zeit", "Temps", "Total Time", "Running Time", "Tiempo"],
+    "displacement": ["Extension", "Weg", "Crosshead", "Desplaz.", "Distance", "Axial Displacement"],
+    "force": ["Load", "Kraft", "Force", "Axial Force", "Carico", "Standard force"],
+}
+PLACES = ["{0} ({1})", "{0} [{1}]", "{0}_{1}", "{0}/{1}", "{0}..{1}.", "{0} in {1}", "{1} {0}",
+          "{0} - {1}", "{0}, {1}"]  # fmt: skip
+FACTORS = [("", 1), ("x10^3 ", 1e3), ("10^-3 ", 1e-3), ("x 100 ", 100), ("1/10 ", 0.1)]
+UNREAD = ["% of 50 ", "5 ", "10E3 ", "?? "]
+
+
+@st.composite
+def headings(draw):
+    """Return names of columns, what each of them is in SI (None: to be left), or a question."""
+    columns, asked = [], False
+    for quantity in draw(st.permutations(list(WORDS))):
+        unit = draw(st.sampled_from([u for u in UNITS[quantity] if u != "min"]))
+        place = draw(st.sampled_from(PLACES))
+        factor, scale = draw(st.sampled_from(FACTORS if place[4:5] in "([" else FACTORS[:1]))
+        if quantity == "force" and place[4:5] in "([" and draw(st.integers(0, 9)) == 0:
+            factor, asked = draw(st.sampled_from(UNREAD)), True
+        name = place.format(draw(st.sampled_from(WORDS[quantity])), factor + unit)
+        columns.append((name, quantity, SI[unit] * scale))
+        if draw(st.integers(0, 4)) == 0:
+            word, *_ = WORDS[quantity]
+            role = draw(st.sampled_from(["setpoint", "Soll", "Demand", "error"]))
+            at = draw(st.integers(0, len(columns)))
+            columns.insert(at, (f"{word} {role} ({unit})", None, 0))
+    if draw(st.integers(0, 9)) == 0:
+        columns += [("Force X (N)", None, 0), ("Force Y (N)", None, 0)]
+    return columns, asked
+
+
+def check_headings(drawn, seed, path):
+    """Every column that is taken has its own numbers and scale, or the file is asked about."""
+    columns, asked = drawn
+    rng = np.random.default_rng(seed)
+    values = np.round(np.cumsum(rng.uniform(0.01, 1, (12, len(columns))), axis=0), 4)
+    text = "\t".join(name for name, *_ in columns) + "\n"
+    text += "".join("\t".join(map(str, row)) + "\n" for row in values)
+    logs = attempt(path, text.encode())
+    if logs is None:
+        assert asked or "Force X" in text, text.splitlines()[0]
+        return
+    assert not asked, text.splitlines()[0]
+    for k, (_, quantity, scale) in enumerate(columns):
+        if quantity:
+            np.testing.assert_allclose(logs[0][quantity], values[:, k] * scale, rtol=1e-12)
+
+
+@st.composite
+def block_files(draw):
+    """Return a file of one test in blocks or of several tests, and how many tests it holds."""
+    n, blocks = draw(st.integers(6, 30)), draw(st.integers(1, 5))
+    runs_on = draw(st.booleans())
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    top = draw(st.sampled_from(["", "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\n\n", "Operator\tZoe\n"]))
+    between = draw(st.sampled_from(["", "\n", "Data Acquisition\tTime:\t5.0\ts\n", "Buffer\n\n"]))
+    tail = draw(st.sampled_from(["", "\n\n", "End of test\n", "0\t0\t0\n"]))
+    rows, text = [], top
+    for block in range(blocks):
+        start = block * n if runs_on else 0
+        t = np.round((start + np.arange(n)) * 0.1, 1)
+        block_rows = np.column_stack(
+            [t, np.round(t * 0.25 + 0.5, 4), np.round(rng.uniform(1, 9, n), 3)]
+        )
+        text += between + "Time\tPosition\tForce\ns\tmm\tN\n"
+        text += "".join("\t".join(map(str, row)) + "\n" for row in block_rows)
+        rows.append(block_rows)
+    return text + tail, rows, 1 if runs_on else blocks
+
+
+def check_blocks(drawn, path):
+    """Rows are in their test, in order; every line of the file has one role."""
+    text, rows, tests = drawn
+    logs = attempt(path, text.encode())
+    assert logs is not None
+    assert len(logs) == tests
+    assert sum(logs[0].attrs["lines"].values()) == text.count("\n")
+    whole = np.concatenate(rows)
+    read = np.concatenate([log[["time", "displacement", "force"]].to_numpy() for log in logs])
+    np.testing.assert_allclose(read, whole * [1, 1e-3, 1], rtol=1e-12)
+    assert logs[0].attrs["lines"]["data"] == len(whole)
+
+
+@st.composite
+def sheets(draw):
+    """Return cells of a sheet of numbers, one of which may be something else."""
+    n = draw(st.integers(3, 15))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    digits = draw(st.sampled_from([0, 1, 3, 4, 12]))
+    numbers = np.round(np.cumsum(rng.uniform(0.01, 900, (n, 3)), axis=0), digits)
+    rows = [["Time", "Extension", "Load"], ["s", "mm", "N"], *numbers.tolist()]
+    odd = draw(st.sampled_from([None, None, "OVER", "1,5", datetime.date(2021, 3, 4), "", True]))
+    if odd is not None:
+        rows[2 + draw(st.integers(0, n - 1))][draw(st.integers(0, 2))] = odd
+    return rows, numbers, odd
+
+
+def check_sheet(drawn, path):
+    rows, numbers, odd = drawn
+    book = openpyxl.Workbook()
+    for row in rows:
+        book.active.append(row)
+    stream = io.BytesIO()
+    book.save(stream)
+    logs = attempt(path, stream.getvalue())
+    if odd is None:
+        assert logs is not None
+        np.testing.assert_allclose(logs[0][["time", "displacement", "force"]].to_numpy(),
+                                   numbers * [1, 1e-3, 1], rtol=1e-12)  # fmt: skip
+    elif logs is not None:  # what is not a number may at most have cost the last row
+        assert logs[0].attrs["warnings"]
+        assert len(logs[0]) < len(numbers)
+
+
 RELAXED = {"deadline": None, "suppress_health_check": list(HealthCheck), "database": None}
 # The default run takes the same examples every time: what a search finds gets a test of its own.
 STEADY = RELAXED | {"derandomize": True}
@@ -319,6 +438,45 @@ def test_damaged_exports_are_read_literally_or_not_at_all(name, damages, path):
 @given(name=st.sampled_from(sorted(EXPORTS)), damages=st.lists(damages(), min_size=1, max_size=3))
 def test_damage_anywhere_never_raises_anything_else(name, damages, path):
     damage_anywhere(name, damages, path)
+
+
+@settings(max_examples=250, **STEADY)
+@given(drawn=headings(), seed=st.integers(0, 2**32))
+def test_random_headings_are_understood_or_asked_about(drawn, seed, path):
+    check_headings(drawn, seed, path)
+
+
+@settings(max_examples=250, **STEADY)
+@given(drawn=block_files())
+def test_random_blocks_are_joined_or_kept_apart(drawn, path):
+    check_blocks(drawn, path)
+
+
+@settings(max_examples=60, **STEADY)
+@given(drawn=sheets())
+def test_random_sheets_are_read_or_refused(drawn, path):
+    check_sheet(drawn, path)
+
+
+@pytest.mark.slow
+@settings(max_examples=3000, **RELAXED)
+@given(drawn=headings(), seed=st.integers(0, 2**32))
+def test_many_random_headings(drawn, seed, path):
+    check_headings(drawn, seed, path)
+
+
+@pytest.mark.slow
+@settings(max_examples=3000, **RELAXED)
+@given(drawn=block_files())
+def test_many_random_blocks(drawn, path):
+    check_blocks(drawn, path)
+
+
+@pytest.mark.slow
+@settings(max_examples=1000, **RELAXED)
+@given(drawn=sheets())
+def test_many_random_sheets(drawn, path):
+    check_sheet(drawn, path)
 
 
 @pytest.mark.slow
