@@ -1,67 +1,73 @@
-"""Everything a march holds as named arrays, so that it can go on later to the last bit."""
+"""All that changes in a march as named arrays, so that it can go on from there to the last bit."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.kernels import layout
 from sim.marching import Marching
 
 Arrays = dict[str, NDArray[Any]]
-RECIPE = {"scene", "state"}  # the scene makes a march; of the state only the buffer changes
+FORMAT = 1  # of what is saved: to be raised with every change of the lists below
+ROWS = "X0 X1 X2 V0 V1 V2 Q00 Q01 Q02 Q10 Q11 Q12 Q20 Q21 Q22 W0 W1 W2 A0 A1 A2 G0 G1 G2 ROAM SWAY"
+NUMBERS = ("steps", "ticks", "parts", "finest", "calm")
+PAIRS = ("deep", "tight")
+RECORDS = {
+    "contact": ("pairs", "slip", "listed", "runs", "play"),
+    "tines": ("now", "load", "work", "slip"),
+    "driven": ("work", "reaction"),
+    "pulled": ("work",),
+    "ledger": ("drag", "material", "friction"),
+}
 
 
 def freeze(march: Marching) -> Arrays:
-    """Return all that a march holds, by name; views, good until it marches on.
-
-    Raises
-    ------
-    TypeError
-        The march holds something that is neither a number, an array nor a tuple of such, which
-        would be lost.
-    """
+    """Return all that changes in a march, by name; views, good until it marches on."""
     # Row by row: what is written at once is copied twice on the way to the disk.
-    frozen: Arrays = dict(zip(layout.ROW, march.state.used(), strict=True))
-    for name, value in vars(march).items():
-        if name not in RECIPE:
-            _pack(name, value, frozen)
-    return frozen
+    frozen: Arrays = {name: march.state.row(name) for name in ROWS.split()}
+    frozen |= {name: np.asarray(getattr(march, name)) for name in (*NUMBERS, *PAIRS)}
+    frozen |= {f"{effect}.{name}": value for effect, name, value in _records(march)}
+    return frozen | {"format": np.asarray(FORMAT)}
 
 
 def thaw(march: Marching, frozen: Arrays) -> None:
-    """Put what `freeze` returned into a march of the same scene."""
-    for name, row in zip(layout.ROW, march.state.used(), strict=True):
-        row[:] = frozen[name]
-    for name, value in vars(march).items():
-        if name not in RECIPE:
-            setattr(march, name, _unpack(name, value, frozen))
+    """Put what `freeze` returned into a march of the same scene.
+
+    Raises
+    ------
+    ValueError
+        It was written in another format, or a field is missing, unknown or of another size.
+    """
+    if int(frozen.get("format", -1)) != FORMAT:
+        raise ValueError(f"format {frozen.get('format', 'unknown')}, this program reads {FORMAT}")
+    _same_fields(freeze(march), frozen)
+    for name in ROWS.split():
+        march.state.row(name)[:] = frozen[name]
+    for name in NUMBERS:
+        setattr(march, name, int(frozen[name]))
+    for name in PAIRS:
+        setattr(march, name, frozen[name].copy())
+    for effect, name, _ in list(_records(march)):
+        value = getattr(march.effects, effect)._replace(**{name: frozen[f"{effect}.{name}"].copy()})
+        march.effects = march.effects._replace(**{effect: value})
 
 
-def _fields(name: str, value: Any) -> dict[str, Any]:
-    """Return the fields of a NamedTuple by their full names."""
-    return {f"{name}.{field}": getattr(value, field) for field in value._fields}
+def _records(march: Marching) -> Iterator[tuple[str, str, NDArray[Any]]]:
+    """Yield effect, name and array of all that effects record."""
+    for effect, names in RECORDS.items():
+        value = getattr(march.effects, effect)
+        if value is not None:
+            yield from ((effect, name, getattr(value, name)) for name in names)
 
 
-def _pack(name: str, value: Any, frozen: Arrays) -> None:
-    if isinstance(value, tuple):
-        for field, part in _fields(name, value).items():
-            _pack(field, part, frozen)
-    elif isinstance(value, np.ndarray | np.number | float | int):
-        frozen[name] = np.asarray(value)
-    elif value is not None:
-        raise TypeError(f"{name}: a checkpoint cannot hold a {type(value).__name__}")
-
-
-def _unpack(name: str, value: Any, frozen: Arrays) -> Any:
-    """Return what was frozen, of the type of `value`: the compiled march knows it by its types."""
-    if value is None:
-        return None
-    if isinstance(value, tuple):
-        parts = (_unpack(*each, frozen) for each in _fields(name, value).items())
-        return type(value)(*parts)
-    if isinstance(value, np.ndarray):
-        return frozen[name].copy()
-    return type(value)(frozen[name].item())
+def _same_fields(here: Arrays, there: Arrays) -> None:
+    if here.keys() != there.keys():
+        raise ValueError(f"fields {', '.join(sorted(here.keys() ^ there.keys()))} do not belong")
+    for name, value in there.items():
+        grows = name in PAIRS or name.startswith("contact.")  # with the list of pairs
+        same = value.ndim == here[name].ndim if grows else value.shape == here[name].shape
+        if not same or value.dtype != here[name].dtype:
+            raise ValueError(f"{name} has shape {value.shape} of {value.dtype}")

@@ -42,7 +42,7 @@ ELASTIC, VISCOUS, WEIGHT, LOAD, MOTION, RODS, TINE, RUBBING, DASHPOT = (
 REMEDY = {
     ELASTIC: "start closer to the shape at rest, or mesh finer where it bends sharply",
     VISCOUS: "lower damping.material or safety",
-    WEIGHT: "check gravity",
+    WEIGHT: "make the rods stiffer or lighter, or gravity weaker",
     LOAD: "lower the load on this end, or let it grow over a longer ramp",
     MOTION: "lower the velocity of this end, or lengthen its ramp",
     RODS: "draw the rods with less overlap, or lower contact.stiffness",
@@ -50,6 +50,7 @@ REMEDY = {
     RUBBING: "lower the coefficients of friction",
     DASHPOT: "lower damping.tine or safety",
 }
+NO_NUMBER = "not a number"
 SHORTER = "leave time_step out, or lower safety"
 
 
@@ -62,7 +63,7 @@ def unstable(march: Marching) -> Unstable:
     if np.isfinite(speed[worst]):
         effect, mode, why, remedy = _runaway(march, worst)
     else:
-        effect, mode, remedy = _not_a_number(march), "not a number", "find the value in the scene"
+        effect, mode, remedy = _not_a_number(march), NO_NUMBER, "find the value in the scene"
         why = f"{effect} is not a number"
     return Unstable(
         f"unstable at t = {march.time:.6g} s: node {element} of rod {rod} moves at "
@@ -96,13 +97,15 @@ def _runaway(march: Marching, node: int) -> tuple[str, str, str, str]:
     touching = {name: forces[name] for name in (RODS, TINE) if name in forces}
     near = any(touching.values()) or _has_neighbours(march, node)
     mode, limit, sustained = _local_limit(march, node, near)
-    if march.dt > limit:
+    if march.step > limit:
         effect = max(touching, key=touching.__getitem__) if mode == SPRING else ELASTIC
-        why = f"the time step of {march.dt:.3g} s is above the {limit:.3g} s that {mode} allows"
+        why = f"the time step of {march.step:.3g} s is above the {limit:.3g} s that {mode} allows"
         return effect, mode, why, SHORTER
-    if march.dt > sustained:
+    if march.step > sustained:
         sink = DASHPOT if march.effects.viscous is None else VISCOUS
-        why = f"{sink} shortens the longest time step to {sustained:.3g} s, below {march.dt:.3g} s"
+        why = (
+            f"{sink} shortens the longest time step to {sustained:.3g} s, below {march.step:.3g} s"
+        )
         return sink, mode, why, REMEDY[sink]
     effect = max(forces, key=forces.__getitem__)
     why = f"the largest force there is that of {effect}, {forces[effect]:.3g} N"
@@ -155,7 +158,7 @@ def _tine_viscous(effects: Effects) -> float | None:
 def by_effect(march: Marching) -> Iterator[tuple[str, Array]]:
     """Yield every effect of the scene and its force on each node in the last step, (3, n) [N]."""
     state, effects = march.state, copy.deepcopy(march.effects)  # friction remembers: not ours
-    n, dt, time = state.n, march.dt, march.time - 0.5 * march.dt
+    n, dt, time = state.n, march.step, march.time - 0.5 * march.step
     inner, outer = internal(state), state.rows("F0 F1 F2")
     then = _half_a_step_back(march)
     stretch_and_shear(then.buf, n, None if effects.viscous is None else 0.0)
@@ -183,7 +186,7 @@ def _half_a_step_back(march: Marching) -> State:
     state = march.state
     then = State(empty_buffer(), state.n, state.first, state.elements)
     then.used()[:] = state.used()
-    drift(then.buf, then.n, -0.5 * march.dt)
+    drift(then.buf, then.n, -0.5 * march.step)
     return then
 
 

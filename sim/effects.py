@@ -31,11 +31,11 @@ def gravity(scene: Scene) -> march_kernel.Gravity | None:
     return None if scene.gravity is None else march_kernel.Gravity(*scene.gravity)
 
 
-def damping(scene: Scene, dt: float) -> float | None:
+def damping(scene: Scene, dt: float, *, inserting: bool = False) -> float | None:
     """Return the factor by which drag lets velocities survive a step, if there is drag."""
-    if scene.damping is None or scene.damping.drag == 0:
+    if scene.damping is None or scene.damping.drag + scene.damping.insertion == 0:
         return None
-    return math.exp(-scene.damping.drag * dt)
+    return math.exp(-(scene.damping.drag + inserting * scene.damping.insertion) * dt)
 
 
 def viscous(scene: Scene) -> float | None:

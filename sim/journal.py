@@ -18,6 +18,8 @@ import os
 import shutil
 import sys
 import time
+import zipfile
+import zlib
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
@@ -29,7 +31,7 @@ from sim.files import replacing
 
 Arrays = dict[str, NDArray[Any]]
 ABOUT, CHECKPOINT, LOCK = "about.json", "checkpoint.npz", "lock"
-WALL_TIME = "wall_time"
+WALL_TIME, RUN = "wall_time", "run"
 SAMPLES, SNAPSHOTS = "samples.f64", "snapshots.f64"
 VALUE = 8  # bytes
 
@@ -61,9 +63,9 @@ def read(folder: Path) -> Recorded:
     try:
         about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
         tables = {name: _table(folder / name, width) for name, width in _widths(about).items()}
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise SceneError(
-            f"{folder}: not an unfinished run of `combing simulate`: {error}"
+            f"{folder / ABOUT}: not an unfinished run of `combing simulate`: {error}"
         ) from None
     return Recorded(about, tables[SAMPLES], tables[SNAPSHOTS])
 
@@ -81,11 +83,57 @@ def _table(path: Path, width: int) -> NDArray[np.float64]:
     return np.memmap(path, np.float64, "r", shape=(rows, width))
 
 
-def _checkpoint(folder: Path) -> Arrays:
-    if not (folder / CHECKPOINT).exists():
+def _checkpoint(folder: Path, about: dict[str, Any]) -> Arrays:
+    """Read the checkpoint and see that what was recorded up to it is still there and its own.
+
+    Raises
+    ------
+    SceneError
+        A file was cut, emptied, changed or taken from another run.
+    """
+    path = folder / CHECKPOINT
+    if not path.exists():
         return {}
-    with np.load(folder / CHECKPOINT) as saved:
-        return dict(saved)
+    try:
+        with path.open("rb") as stream, np.load(stream) as saved:
+            arrays = dict(saved)
+        counted = {name: tuple(arrays[name].tolist()) for name in (SAMPLES, SNAPSHOTS, RUN)}
+    except (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+        raise damaged(path, f"not a whole checkpoint: {error or type(error).__name__}") from None
+    if counted.pop(RUN) != (_identity(about),):
+        raise damaged(path, "the checkpoint of another run")
+    for name, width in _widths(about).items():
+        rows, checksum = counted[name]
+        there = (folder / name).stat().st_size if (folder / name).exists() else 0
+        if there < VALUE * width * rows:
+            raise damaged(
+                folder / name,
+                f"{there // (VALUE * max(width, 1))} rows where the checkpoint counts {rows}",
+            )
+        if _checksum(folder / name, VALUE * width * rows) != checksum:
+            raise damaged(folder / name, "not what was recorded up to the checkpoint")
+    return arrays
+
+
+def damaged(path: Path, what: str) -> SceneError:
+    """Return the error that says that a file of an unfinished run is not to be gone on from."""
+    return SceneError(
+        f"{path}: {what}; put the file back, or start anew over it (resume=False, --fresh)"
+    )
+
+
+def _identity(about: dict[str, Any]) -> int:
+    """Return a number that tells runs of different scenes or solvers apart."""
+    return zlib.crc32(json.dumps([about["scene"], about["solver"]], sort_keys=True).encode())
+
+
+def _checksum(path: Path, size: int) -> int:
+    """Return the checksum of the first bytes of a file."""
+    result = 0
+    with path.open("rb") as stream:
+        while size > 0 and (piece := stream.read(min(size, 1 << 24))):
+            result, size = zlib.crc32(piece, result), size - len(piece)
+    return result
 
 
 class Journal:
@@ -108,7 +156,7 @@ class Journal:
     Raises
     ------
     SceneError
-        Another process writes into the folder, or what it holds is another run.
+        Another process writes into the folder, what it holds is another run, or it is damaged.
     """
 
     def __init__(self, folder: Path, about: dict[str, Any], *, resume: bool) -> None:
@@ -119,21 +167,28 @@ class Journal:
         self._lock = (folder / LOCK).open("ab")
         try:
             _hold(self._lock, folder)
-            if resume and (folder / ABOUT).exists():
+            if resume and any((folder / name).exists() for name in (ABOUT, CHECKPOINT)):
                 _same_run(folder, read(folder).about, about)
-                self.checkpoint = _checkpoint(folder)
+                self.checkpoint = _checkpoint(folder, about)
+                about["attributes"] = read(folder).about["attributes"] | about["attributes"]
             else:
                 (folder / CHECKPOINT).unlink(missing_ok=True)
         except BaseException:
             self._lock.close()
             raise
-        with replacing(folder / ABOUT) as temporary:
-            temporary.write_text(json.dumps(about, indent=1), encoding="utf-8")
+        self.amend()
+        self._checksums: dict[str, int] = {}
         self._tables = {name: self._open(name, width) for name, width in _widths(about).items()}
+
+    def amend(self, **attributes: float | str) -> None:
+        """Write about.json, with more of what the run says of itself."""
+        self.about["attributes"] |= attributes
+        with replacing(self.folder / ABOUT) as temporary:
+            temporary.write_text(json.dumps(self.about, indent=1), encoding="utf-8")
 
     def _open(self, name: str, width: int) -> IO[bytes]:
         """Open a table and cut it off behind the checkpoint."""
-        rows = int(self.checkpoint.get(name, 0))
+        rows, self._checksums[name] = map(int, self.checkpoint.get(name, (0, 0)))
         table = (self.folder / name).open("ab")
         table.truncate(VALUE * width * rows)
         return table
@@ -147,7 +202,9 @@ class Journal:
         self._append(SNAPSHOTS, row)
 
     def _append(self, name: str, row: NDArray[np.float64]) -> None:
-        self._tables[name].write(row.tobytes())
+        values = row.tobytes()
+        self._checksums[name] = zlib.crc32(values, self._checksums[name])
+        self._tables[name].write(values)
         self._tables[name].flush()
 
     def wall_time(self) -> float:
@@ -156,15 +213,21 @@ class Journal:
 
     def save(self, frozen: Arrays) -> None:
         """Write the checkpoint that belongs to what has been appended so far."""
-        rows = {WALL_TIME: np.array(self.wall_time())}
+        rows = {WALL_TIME: np.array(self.wall_time()), RUN: np.array([_identity(self.about)])}
         for name, width in _widths(self.about).items():
             file = self._tables[name].fileno()
             os.fsync(file)
-            rows[name] = np.array(os.fstat(file).st_size // (VALUE * max(width, 1)))
+            count = os.fstat(file).st_size // (VALUE * max(width, 1))
+            rows[name] = np.array([count, self._checksums[name]])
         with replacing(self.folder / CHECKPOINT) as temporary, temporary.open("wb") as stream:
             np.savez(stream, **frozen, **rows)  # type: ignore[arg-type]
             stream.flush()
             os.fsync(stream.fileno())
+
+    def state(self) -> Arrays:
+        """Return the march's part of the checkpoint."""
+        own = (WALL_TIME, RUN, SAMPLES, SNAPSHOTS)
+        return {name: value for name, value in self.checkpoint.items() if name not in own}
 
     def close(self) -> None:
         """Let go of the files, which stay."""
@@ -177,14 +240,14 @@ class Journal:
         shutil.rmtree(self.folder)
 
 
+def differing(there: dict[str, Any], here: dict[str, Any]) -> list[str]:
+    """Return the keys in which two scenes differ, but for the title."""
+    return [key for key in here if there.get(key, ...) != here[key] and key != "title"]
+
+
 def _same_run(folder: Path, there: dict[str, Any], here: dict[str, Any]) -> None:
-    differing = [
-        key
-        for key in here["scene"]
-        if there.get("scene", {}).get(key, ...) != here["scene"][key] and key != "title"
-    ]
-    if differing:
-        what = f"another scene (it differs in {', '.join(differing)})"
+    if keys := differing(there["scene"], here["scene"]):
+        what = f"another scene (it differs in {', '.join(keys)})"
     elif there.get("solver") != here["solver"]:
         what = "another version of the solver"
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -38,8 +39,11 @@ class Marching:
         Stability limit of the time step [s].
     dt : float
         Time step [s].
-    steps : int
-        Steps taken since the start.
+    steps, ticks, parts : int
+        Steps taken since the start, and parts of the present one: where the motion needs it, each
+        is taken in 2, 4, 8, ... `parts`.
+    finest, calm : int
+        Most parts that there were so far, and since how many marks nothing went wrong.
     deep, tight : (m, 2) int64
         Pairs of elements on their way through each other, other rods and one rod bent, when the
         guards last looked.
@@ -51,13 +55,27 @@ class Marching:
     limit: float
     dt: float
     steps: int = 0
+    ticks: int = 0
+    parts: int = 1
+    finest: int = 1
+    calm: int = 0
     deep: Pairs = field(default_factory=no_pairs)
     tight: Pairs = field(default_factory=no_pairs)
 
     @property
     def time(self) -> float:
         """Time since the start [s]."""
-        return self.steps * self.dt
+        return (self.steps + self.ticks / self.parts) * self.dt
+
+    @property
+    def step(self) -> float:
+        """The time step as it is taken now, a part of `dt` [s]."""
+        return self.dt / self.parts
+
+    @property
+    def inserted(self) -> int:
+        """After how many steps all tines are inserted."""
+        return math.ceil(max((t.insertion for t in self.scene.tines), default=0.0) / self.dt - 1e-9)
 
     @property
     def contact(self) -> Contact | None:
@@ -79,10 +97,10 @@ class Marching:
         return self.tines.now[:, 0].copy() if self.tines is not None else np.zeros(0)
 
     def take_load(self) -> np.ndarray:
-        """Return the sum over steps of the force on each tine [N], (m, 3), and start a new sum."""
+        """Return the force on each tine [N] summed over steps `dt`, (m, 3), and start a new sum."""
         if self.tines is None:
             return np.zeros((0, 3))
-        load = self.tines.load.copy()
+        load = self.tines.load / self.parts
         self.tines.load[:] = 0
         return load
 

@@ -74,7 +74,8 @@ def energies(march: Marching, steps: int) -> list[float]:
 
 def due(wanted: int, windows: int) -> set[int]:
     """Return after which windows a snapshot is due: evenly spread, start and end included."""
-    return set(np.linspace(0, windows, max(wanted, 2)).round().astype(int).tolist())
+    wanted = min(max(wanted, 2), windows + 1)
+    return set(np.linspace(0, windows, wanted).round().astype(int).tolist())
 
 
 def snapshot(march: Marching) -> NDArray[np.float64]:

@@ -56,6 +56,7 @@ class DoubleHelix(Part):
     friction: NotNegative = 0.0
     elements_per_pitch: Annotated[float, Field(ge=3)] = 12.0
     speed: Positive = 0.2
+    insertion: NotNegative = 0.025
     imperfection: NotNegative = 0.0
     samples_per_pitch: Positive = 200.0
     snapshots: Annotated[int, Field(ge=2)] = 64
@@ -68,6 +69,11 @@ class DoubleHelix(Part):
         if self.q is not None and self.q * self.pitch > self.extent:
             raise ValueError(
                 f"q = {self.q} pitches do not fit into a helix of {self.extent / self.pitch:.1f}"
+            )
+        if self.q is None and self.extent < 0.999 * self.pitch:
+            raise ValueError(
+                f"pi1 = {self.pi1:g}: {self.extent / self.pitch:.2g} of a pitch fits into the "
+                f"height of {self.extent:g} m; the tine starts one pitch below the clamp"
             )
         return self
 
@@ -93,7 +99,11 @@ class DoubleHelix(Part):
             friction=Friction(forward=self.friction, backward=self.friction)
             if self.friction > 0
             else None,
-            damping=Damping(drag=50.0, material=material_time(self.r, self.E, self.density)),
+            damping=Damping(
+                drag=50.0,
+                insertion=2000.0,
+                material=material_time(self.r, self.E, self.density),
+            ),
             tines=[self._tine()],
             output=Output(
                 sample_rate=self.samples_per_pitch * self.speed / self.pitch,
@@ -128,6 +138,7 @@ class DoubleHelix(Part):
             radius=radius,
             direction=(0.0, 0.0, -1.0),
             speed=self.speed,
+            insertion=self.insertion,
             travel=below + self.pitch + radius,
         )
 

@@ -138,12 +138,13 @@ class Contact(Part):
 
     Left out, the stiffness is 0.3 of the softest rod's Young's modulus and the skin the larger of
     half the largest radius and a quarter of the longest element. With `self_contact` a rod may
-    touch itself.
+    touch itself. Rods that `overlap` as drawn are refused, or pushed apart by the contact.
     """
 
     stiffness: Positive | None = None
     skin: Positive | None = None
     self_contact: bool = False
+    overlap: Literal["refuse", "push apart"] = "refuse"
 
 
 class Friction(Part):
@@ -160,6 +161,9 @@ class Friction(Part):
 class Damping(Part):
     """What takes energy out: `drag` [1/s] of velocities, `material` [s] of strains, `tine` [s].
 
+    Until all tines are inserted, `insertion` [1/s] is added to the drag: strands then give way
+    without whirling, and what link is left does not depend on how fast the tines grew.
+
     `material` is the Kelvin-Voigt time: stress = modulus (strain + material strain rate). A motion
     of angular frequency w is damped by w material/2 of critical, so a time near a step of the march
     drains the fast modes that sliding contact feeds and leaves slow bending alone. `tine` is that
@@ -168,6 +172,7 @@ class Damping(Part):
     """
 
     drag: NotNegative = 0.0
+    insertion: NotNegative = 0.0
     material: NotNegative = 0.0
     tine: NotNegative = 0.0
 

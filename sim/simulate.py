@@ -7,18 +7,19 @@ import logging
 import math
 import time
 from collections.abc import Callable
-from importlib import metadata
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from sim.about import about
 from sim.checkpoint import freeze, thaw
 from sim.compilation import compile_for
-from sim.errors import Unstable
+from sim.cost import cost, refuse_absurd
+from sim.errors import SceneError, Unstable
 from sim.explicit import Explicit, explicit
-from sim.journal import Journal, part_of, read
-from sim.kernels.compiled import CACHE, source_digest
-from sim.observers import columns, due, observers, snapshot
+from sim.guards.insertion import inserted, link
+from sim.journal import CHECKPOINT, Journal, damaged, differing, part_of, read
+from sim.observers import due, observers, snapshot
 from sim.run import Run, dataset, open_run
 from sim.scene import Scene
 
@@ -33,6 +34,7 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     resume: bool = True,
     checkpoint_every: float = CHECKPOINT_EVERY,
+    any_cost: bool = False,
 ) -> Run:
     """Simulate a scene with the explicit march.
 
@@ -48,9 +50,11 @@ def simulate(
         Called with the fraction done after every sampling window.
     resume : bool
         Go on with the run that PATH.part holds, to the same last bit as if it had never stopped;
-        else begin anew over it.
+        else begin anew over it, and over a finished run of another scene.
     checkpoint_every : float
         Wall time between two states to go on from [s].
+    any_cost : bool
+        Begin also what would take more than a week or more room than the disk has.
 
     Returns
     -------
@@ -59,22 +63,26 @@ def simulate(
     Raises
     ------
     SceneError
-        The scene cannot be laid out or asks for an unstable time step; PATH.part holds a run of
-        another scene or solver, or another process is writing to it.
+        The scene cannot be laid out, asks for an unstable time step or for too much; PATH or
+        PATH.part holds something else than a run of this scene and solver, is damaged, or
+        another process is writing to it.
     Unstable
         The motion left the range that the time step resolves. What was recorded up to then is in
         the NetCDF file that `Unstable.path` names.
 
     Notes
     -----
-    Whether it goes on from somewhere, and that kernels are being compiled, is logged on the logger
-    ``sim`` at level INFO.
+    What it will cost, whether it goes on from somewhere, that kernels are being compiled and that
+    it takes shorter steps is logged on the logger ``sim`` at level INFO; what a user should know
+    of the result, at level WARNING, and kept in the run's attribute ``notes``.
     """
     if path is not None:
-        return _simulate(scene, Path(path), progress, resume, checkpoint_every)
+        if resume:
+            _refuse_to_replace(Path(path), scene)
+        return _simulate(scene, Path(path), progress, resume, checkpoint_every, any_cost)
     with TemporaryDirectory(prefix="combing-") as folder:
         try:
-            run = _simulate(scene, Path(folder) / "run.nc", progress, False, math.inf)
+            run = _simulate(scene, Path(folder) / "run.nc", progress, False, math.inf, any_cost)
         except Unstable as error:
             error.path = None
             raise
@@ -88,14 +96,16 @@ def _simulate(
     progress: Callable[[float], None] | None,
     resume: bool,
     checkpoint_every: float,
+    any_cost: bool,
 ) -> Run:
     compile_for(scene)
     march = explicit(scene)
-    journal = Journal(part_of(path), _about(march), resume=resume)
+    of_run = about(march)
+    _announce(march, of_run, None if any_cost else path)
+    journal = Journal(part_of(path), of_run, resume=resume)
     try:
         if journal.checkpoint:
-            thaw(march, journal.checkpoint)
-            log.info("going on from t = %.4g s (%s)", march.time, journal.folder)
+            _go_on(march, journal)
         _advance(march, journal, progress, checkpoint_every)
     except Unstable as error:
         error.path = path.with_suffix(".unstable.nc")
@@ -118,15 +128,21 @@ def _advance(
     watching = observers(march)
     instants = due(march.scene.output.snapshots, windows)
     done = march.steps // steps
+    pair = len(march.scene.rods) == 2 and any(tine.travel > 0 for tine in march.scene.tines)
     if done == 0:
         journal.snapshot(snapshot(march))
-        _announce(march, windows * steps)
+        if pair:
+            journal.amend(link_drawn=link(march))
     saved = time.monotonic()
     for window in range(done + 1, windows + 1):
         march.advance(steps)
         journal.sample([value for observe in watching for value in observe(march, steps)])
         if window in instants:
             journal.snapshot(snapshot(march))
+        if pair and march.steps - steps < march.inserted <= march.steps:
+            journal.amend(**inserted(march, journal.about["attributes"]["link_drawn"]))
+            if "insertion" in journal.about["attributes"]:
+                log.warning(journal.about["attributes"]["insertion"])
         if time.monotonic() - saved >= checkpoint_every:
             journal.save(freeze(march))
             saved = time.monotonic()
@@ -134,49 +150,48 @@ def _advance(
             progress(window / windows)
 
 
-def _announce(march: Explicit, steps: int) -> None:
-    """Say what is ahead."""
-    elements = sum(march.state.elements)
-    log.info(
-        "%d rods, %d elements: %d steps of %.3g s",
-        len(march.state.first), elements, steps, march.dt,
-    )  # fmt: skip
-
-
-def _about(march: Explicit) -> dict[str, Any]:
-    """Return what about.json says of a run."""
-    scene = march.scene
-    versions = {f"version_{name}": _version(name) for name in ("combing", "numpy", "numba")}
-    return {
-        "scene": json.loads(scene.model_dump_json()),
-        "solver": f"{source_digest(Path(__file__).parent)}-{CACHE.name}",
-        "windows": max(1, math.ceil(scene.duration * scene.output.sample_rate - 1e-9)),
-        "window_steps": round(1 / (scene.output.sample_rate * march.dt)),
-        "strands": [count + 1 for count in march.state.elements],
-        "samples": columns(march),
-        "attributes": {
-            "title": scene.title,
-            "march": "explicit position Verlet",
-            "time_step_s": march.dt,
-            "stability_limit_s": march.limit,
-            "seed": scene.seed,
-            **versions,
-        },
-    }
-
-
-def _version(package: str) -> str:
+def _go_on(march: Explicit, journal: Journal) -> None:
+    """Take up the march where its checkpoint was written."""
     try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return "unknown"
+        thaw(march, journal.state())
+    except ValueError as error:
+        raise damaged(journal.folder / CHECKPOINT, str(error)) from None
+    log.info("going on from t = %.4g s (%s)", march.time, journal.folder)
+
+
+def _announce(march: Explicit, of_run: dict[str, Any], path: Path | None) -> None:
+    """Say what is ahead, and refuse what is absurd to write to this path."""
+    ahead = cost(march, of_run)
+    elements = sum(march.state.elements)
+    log.info("%d rods, %d elements: %s", len(march.state.first), elements, ahead)
+    if "notes" in of_run["attributes"]:
+        log.warning(of_run["attributes"]["notes"])
+    if path is not None:
+        refuse_absurd(ahead, path)
+
+
+def _refuse_to_replace(path: Path, scene: Scene) -> None:
+    """See that no finished run of another scene, nor anything else, is written over."""
+    if not path.exists():
+        return
+    try:
+        there = json.loads(open_run(path).data.attrs["scene"])
+    except SceneError as error:
+        raise SceneError(f"{error}; it would be written over: remove it, or --fresh") from None
+    if keys := differing(there, json.loads(scene.model_dump_json())):
+        raise SceneError(
+            f"{path}: a finished run of another scene (it differs in {', '.join(keys)}); write to "
+            "another place, or over it (resume=False, --fresh)"
+        )
 
 
 def _finish(march: Explicit, journal: Journal, path: Path, **attributes: str) -> None:
     """Turn the journal into a NetCDF file, which appears whole, and remove it."""
     temporary = journal.folder / path.name
     data = dataset(read(journal.folder))
-    data.attrs |= {"steps": march.steps, "wall_time_s": journal.wall_time(), **attributes}
+    finest = march.dt / march.finest
+    data.attrs |= {"steps": march.steps, "shortest_step_s": finest, **attributes}
+    data.attrs["wall_time_s"] = journal.wall_time()
     data.to_netcdf(temporary, engine="h5netcdf")
     del data  # some systems do not remove files that are still mapped
     temporary.replace(path)

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
               help="Folder for all that is written.")  # fmt: skip
 @click.option("--snapshots", type=int, help="Strands recorded this many times.")
 @click.option("--seed", type=int, help="Another draw of what is random in the scene.")
-@click.option("--fresh", is_flag=True, help="Begin anew, also where an unfinished run lies.")
+@click.option("--fresh", is_flag=True, help="Begin anew, also over another or unfinished run.")
+@click.option("--any-cost", is_flag=True, help="Begin also what would take more than a week.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @click.option("--quiet", is_flag=True, help="No progress and no summary.")
 def command(
@@ -38,6 +39,7 @@ def command(
     snapshots: int | None,
     seed: int | None,
     fresh: bool,
+    any_cost: bool,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -60,7 +62,7 @@ def command(
     Presets and their parameters (lengths in m, speed in m/s, E in Pa):
       double_helix  two strands clamped at the top, combed by a tine:
                     pi1 = P/r, pi2 = R/r, pi3 = t/r, r, height or turns,
-                    q (pitches below the tine), friction, speed, E, nu, density,
+                    q (pitches below the tine), friction, speed, insertion, E, nu, density,
                     elements_per_pitch, imperfection, samples_per_pitch,
                     snapshots, seed
       curl          n hairs that hang and relax, no tine:
@@ -82,7 +84,7 @@ def command(
     run.nc.part in the output folder.
     """
     made = _scene(scene, preset, settings, {"snapshots": snapshots, "seed": seed})
-    run = _run(made, output, quiet or as_json, fresh)
+    run = _run(made, output, quiet or as_json, fresh=fresh, any_cost=any_cost)
     summary = _write(run, output)
     if as_json:
         click.echo(json.dumps(summary, indent=1))
@@ -121,7 +123,7 @@ def _parameter(text: str) -> tuple[str, Any]:
         return key, value
 
 
-def _run(scene: Scene, output: Path, quiet: bool, fresh: bool) -> Run:
+def _run(scene: Scene, output: Path, quiet: bool, *, fresh: bool, any_cost: bool) -> Run:
     from sim import simulate
 
     bar = tqdm(
@@ -138,7 +140,9 @@ def _run(scene: Scene, output: Path, quiet: bool, fresh: bool) -> Run:
 
     with said_aloud("sim", quiet=quiet), bar:
         try:
-            return simulate(scene, output / "run.nc", progress=progress, resume=not fresh)
+            return simulate(
+                scene, output / "run.nc", progress=progress, resume=not fresh, any_cost=any_cost
+            )
         except KeyboardInterrupt:
             bar.close()
             click.echo(f"stopped; {_how_to_go_on(output)}", err=True)

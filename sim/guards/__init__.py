@@ -2,43 +2,54 @@
 
 from __future__ import annotations
 
-from sim.diagnosis import unstable
+import math
+from typing import NamedTuple
+
+from sim.diagnosis import NO_NUMBER, unstable
 from sim.errors import Unstable
 from sim.guards.passing import bent_through, deep_pairs, newcomer, passing_through, tight_bends
 from sim.guards.winding import wound_up
 from sim.kernels import march as kernel
 from sim.marching import Marching
 
-SPEED_LIMIT = 0.2  # of an element's length per step; the stable march stays far below
+STRAINED = 0.2  # most that an element may be strained within a step; stable marches stay far below
+MOVED = 0.25  # of the smallest radius: most that what touches may move within a step
 
 
-def fastest(march: Marching) -> float:
-    """Return the speed beyond which the time step resolves no motion [m/s]."""
-    lengths = march.state.row("LENGTH")
-    return SPEED_LIMIT * float(lengths[lengths > 0].min()) / march.dt
+class Cause(NamedTuple):
+    """Why a march must not go on like this, and whether shorter steps may help."""
+
+    error: Unstable
+    by_step: bool
 
 
-def start(march: Marching) -> None:
-    """Take note of what is in each other from the start: strands may be, and are pushed apart."""
-    march.deep, march.tight = deep_pairs(march), tight_bends(march)
+def resolved(march: Marching) -> tuple[float, float]:
+    """Return what a time step resolves: the square of a rate of strain [1/s^2] and of a speed
+    [m^2/s^2], infinite where nothing can touch.
+    """
+    radius = min(rod.radius for rod in march.scene.rods)
+    touches = march.contact is not None or march.tines is not None
+    fastest = MOVED * radius / march.step if touches else math.inf
+    return (STRAINED / march.step) ** 2, fastest**2
 
 
-def check(march: Marching, status: int) -> Unstable | None:
+def check(march: Marching, status: int) -> Cause | None:
     """Return what is wrong with a march that the kernel has stopped for this reason, if anything.
 
     Strands that pass through each other, or themselves where they are bent, count when they were
     apart at the last look.
     """
     if status == kernel.UNSTABLE:
-        return unstable(march)
+        error = unstable(march)
+        return Cause(error, by_step=error.mode != NO_NUMBER)
     if status == kernel.WOUND:
-        return wound_up(march)
+        return Cause(wound_up(march), by_step=True)
     if status == kernel.DEEP:
         before, march.deep = march.deep, deep_pairs(march)
         pair = newcomer(march.deep, before)
-        return None if pair is None else passing_through(march, *pair)
+        return None if pair is None else Cause(passing_through(march, *pair), by_step=False)
     if status == kernel.STALE:
         before, march.tight = march.tight, tight_bends(march)
         pair = newcomer(march.tight, before)
-        return None if pair is None else bent_through(march, *pair)
+        return None if pair is None else Cause(bent_through(march, *pair), by_step=False)
     return None

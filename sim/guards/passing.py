@@ -12,15 +12,16 @@ from sim.kernels import passing as kernels
 from sim.marching import Marching, Pairs, no_pairs
 from sim.timestep import BENDING, SPRING
 
+DEEP = 0.5  # of the contact distance
 ROOM = 16  # pairs at first; a contact that gives way is one of a few
 NEXT_TO = 2  # elements: as far as an overlap slides along a strand between two looks
 
 
-def deep_pairs(march: Marching) -> Pairs:
-    """Return the pairs of elements nearer than half the contact distance, (m, 2)."""
+def deep_pairs(march: Marching, limit: float = DEEP) -> Pairs:
+    """Return the pairs of elements nearer than this part of the contact distance, (m, 2)."""
     if march.contact is None:
         return no_pairs()
-    return _all_of(kernels.deep_pairs, march)
+    return _all_of(kernels.near_pairs, march, limit)
 
 
 def tight_bends(march: Marching) -> Pairs:
@@ -31,18 +32,23 @@ def tight_bends(march: Marching) -> Pairs:
     contact = march.contact
     if contact is None or math.isinf(contact.self_gap):
         return no_pairs()
-    return _all_of(kernels.tight_bends, march)
+    return _all_of(kernels.tight_bends, march, DEEP)
 
 
-def _all_of(find: Callable[..., int], march: Marching) -> Pairs:
+def _all_of(find: Callable[..., int], march: Marching, limit: float) -> Pairs:
     """Return all pairs that a kernel finds, making room when there are more than expected."""
     room = ROOM
     while True:
         found = np.zeros((room, 2), np.int64)
-        count = find(march.state.buf, march.state.n, march.contact, found)
+        count = find(march.state.buf, march.state.n, march.contact, limit, found)
         if count <= room:
             return found[:count]
         room = count
+
+
+def nearness(march: Marching, a: int, b: int) -> float:
+    """Return the distance of elements a and b over that of touching."""
+    return math.sqrt(kernels.nearness(march.state.buf, a, b, march.contact))
 
 
 def newcomer(now: Pairs, before: Pairs) -> tuple[int, int] | None:
@@ -66,7 +72,7 @@ def passing_through(march: Marching, a: int, b: int) -> Unstable:
     reach = radius[a] + radius[b]
     longest = float(max(state.row("LENGTH")[[a, b]]))
     load = kernels.load_around(state.buf, state.n, contact, a, b, longest)
-    near = math.sqrt(kernels.nearness(state.buf, a, b, contact))
+    near = nearness(march, a, b)
     # The most that k (reach - d), integrated along a straight line, gives over all distances.
     most = 0.552 * contact.stiffness * reach**2 / max(sine, 1e-3)
     (rod, element), (other, there) = state.place(a), state.place(b)

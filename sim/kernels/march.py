@@ -21,6 +21,7 @@ from sim.kernels.rod import (
 )
 from sim.kernels.tine import Tines
 from sim.kernels.touch import touching_loads
+from sim.kernels.vectors import at, dot, minus
 
 DONE, STALE, UNSTABLE, WOUND, DEEP = 0, 1, 2, 3, 4
 
@@ -126,19 +127,25 @@ def gives_way(contact):
 
 
 @kernel
-def too_fast(buf, n, limit):
-    """Count the nodes whose squared speed is not below `limit`; a NaN counts."""
+def too_fast(buf, n, limits):
+    """Count the elements strained too fast and the nodes that are too fast; a NaN counts.
+
+    Two elements of different rods are told apart by their ghosts, whose inverse length is zero.
+    """
+    strained, moved = limits
     count = 0
     for i in range(n):
-        v0, v1, v2 = buf[V0 + i], buf[V1 + i], buf[V2 + i]
-        count += 0 if v0 * v0 + v1 * v1 + v2 * v2 < limit else 1
+        v, inverse = at(buf, V0, V1, V2, i), buf[INV_LENGTH + i]
+        step = minus(at(buf, V0, V1, V2, i + 1), v)
+        slow = dot(step, step) * inverse * inverse < strained and dot(v, v) < moved
+        count += 0 if slow else 1
     return count
 
 
 @kernel
-def verdict(buf, n, limit, wound, contact):
+def verdict(buf, n, limits, wound, contact):
     """Return why the march must stop after this step, DONE if it need not."""
-    if too_fast(buf, n, limit) > 0:
+    if too_fast(buf, n, limits) > 0:
         return UNSTABLE
     if wound > 0:
         return WOUND
@@ -157,11 +164,12 @@ def drift_on(buf, n, dt, driven, middle):
 
 
 @kernel
-def march(buf, n, time, dt, steps, limit, effects):
+def march(buf, n, time, dt, steps, limits, effects):
     """Take up to `steps` steps from `time`; return how many were taken and why it stopped.
 
     STALE: the neighbour list must be rebuilt before the next step. UNSTABLE: after the step counted
-    last, a node's squared speed is above `limit` or not a number. WOUND: in that step an element
+    last, the square of an element's rate of strain or of a node's speed is not below `limits`
+    [1/s^2], [m^2/s^2]. WOUND: in that step an element
     turned by nearly half a turn against its neighbour. DEEP: in that step strands were half the
     contact distance apart, or nearly.
     """
@@ -178,7 +186,7 @@ def march(buf, n, time, dt, steps, limit, effects):
         speed_up(buf, n, dt, keep, viscous, ledger)
         lead(buf, driven, middle)  # drag has slowed them too
         step += 1
-        status = verdict(buf, n, limit, wound, contact)
+        status = verdict(buf, n, limits, wound, contact)
         if step == steps or status != DONE:
             drift(buf, n, 0.5 * dt)
             return step, status

@@ -11,8 +11,6 @@ from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.overlap import press
 from sim.kernels.vectors import along, at, dot, minus
 
-DEEP = 0.5  # of the contact distance
-
 
 @formula
 def within(x):
@@ -39,8 +37,7 @@ def nearest_points(w, dp, u):
 def nearness(buf, a, b, contact):
     """Return the squared distance of elements a and b over that of touching, infinite if far.
 
-    Also where the nearest point is the tip of a rod, which is pushed aside and passes nothing, and
-    where two elements of one rod have too little of it between them to be in contact.
+    Also where two elements of one rod have too little of it between them to be in contact.
     """
     p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
     dp, u = minus(at(buf, X0, X1, X2, a + 1), p0), minus(at(buf, X0, X1, X2, b + 1), q0)
@@ -48,19 +45,11 @@ def nearness(buf, a, b, contact):
     if dot(w, w) > 3.0 * (dot(dp, dp) + dot(u, u) + reach * reach):
         return math.inf  # farther apart than both are long
     s, t = nearest_points(w, dp, u)
-    if is_tip(buf, a, s) or is_tip(buf, b, t):
-        return math.inf
     between = contact.arc[b] + t * buf[LENGTH + b] - contact.arc[a] - s * buf[LENGTH + a]
     if contact.rod[a] == contact.rod[b] and between < contact.self_gap:
         return math.inf
     gap = along(along(w, s, dp), -t, u)
     return dot(gap, gap) / (reach * reach)
-
-
-@formula
-def is_tip(buf, a, s):
-    """Tell whether the point at s on element a is an end of its rod."""
-    return (s <= 0.0 and buf[PREVIOUS + a] == 0.0) or (s >= 1.0 and buf[NEXT + a + 1] == 0.0)
 
 
 @kernel
@@ -72,12 +61,12 @@ def note(found, count, a, b):
 
 
 @kernel
-def deep_pairs(buf, n, contact, found):
-    """Fill `found` (m, 2) with listed pairs nearer than DEEP of touching; return their number."""
+def near_pairs(buf, n, contact, limit, found):
+    """Fill `found` (m, 2) with listed pairs nearer than `limit` of touching; return how many."""
     count = 0
     for k in range(contact.pairs.shape[1]):
         a, b = contact.pairs[0, k], contact.pairs[1, k]
-        if nearness(buf, a, b, contact) < DEEP * DEEP:
+        if nearness(buf, a, b, contact) < limit * limit:
             count = note(found, count, a, b)
     return count
 
@@ -99,15 +88,15 @@ def tightness(buf, a, b, contact):
 
 
 @kernel
-def tight_bends(buf, n, contact, found):
+def tight_bends(buf, n, contact, limit, found):
     """Fill `found` (m, 2) with pairs of one rod too near along it for contact, whose tightness is
-    below DEEP; return their number.
+    below `limit`; return their number.
     """
     count = 0
     for a in range(n):
         b = a + 2
         while contact.rod[a] >= 0 and is_within(contact, a, b, n):
-            if tightness(buf, a, b, contact) < DEEP:
+            if tightness(buf, a, b, contact) < limit:
                 count = note(found, count, a, b)
             b += 1
     return count

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,10 +12,10 @@ import numpy as np
 import pytest
 
 import sim
-from sim.checkpoint import freeze, thaw
+from sim.checkpoint import FORMAT, freeze, thaw
 from sim.explicit import Explicit
 from sim.journal import Journal
-from sim.scene import Damping, End, Friction, Load, Motion, Output
+from sim.scene import Contact, Damping, End, Friction, Load, Motion, Output
 
 
 def scene(**changes):
@@ -85,8 +86,8 @@ def test_a_killed_run_resumes_and_ends_bitwise_as_if_uninterrupted(tmp_path):
     assert simulate_elsewhere(tmp_path, "run.nc", kill_after=0.4) == -signal.SIGKILL
     part = tmp_path / "run.nc.part"
     with np.load(part / "checkpoint.npz") as saved:
-        assert saved["effects.contact.slip"].any()
-        assert saved["effects.tines.slip"].any()
+        assert saved["contact.slip"].any()
+        assert saved["tines.slip"].any()
     for name in ("samples.f64", "snapshots.f64"):  # killed in the middle of writing, too
         with (part / name).open("ab") as table:
             table.write(b"rows and a half, " * 999)
@@ -162,7 +163,7 @@ def test_on_request_a_run_begins_anew_over_an_unfinished_one(tmp_path, uninterru
 
 
 def test_two_processes_do_not_write_the_same_run(tmp_path):
-    about = {"scene": {}, "solver": "", "samples": {}, "strands": [2]}
+    about = {"scene": {}, "solver": "", "samples": {}, "strands": [2], "attributes": {}}
     journal = Journal(tmp_path / "run.nc.part", about, resume=True)
     with pytest.raises(sim.SceneError, match="another process is writing this run"):
         Journal(tmp_path / "run.nc.part", about, resume=True)
@@ -175,23 +176,140 @@ def test_a_folder_that_is_no_journal_is_not_opened_as_a_run(tmp_path):
         sim.open_run(tmp_path)
 
 
-def test_a_checkpoint_holds_all_that_changes_in_a_march_with_every_effect(rng):
+DAMAGES = {
+    "samples.f64 cut": ("samples.f64", lambda data: data[:100]),
+    "snapshots.f64 cut": ("snapshots.f64", lambda data: data[:-8]),
+    "samples.f64 emptied": ("samples.f64", lambda data: b""),
+    "samples.f64 zeroed": ("samples.f64", lambda data: bytes(len(data))),
+    "checkpoint.npz cut": ("checkpoint.npz", lambda data: data[:3000]),
+    "checkpoint.npz emptied": ("checkpoint.npz", lambda data: b""),
+    "checkpoint.npz no archive": ("checkpoint.npz", lambda data: b"x" * 999),
+    "about.json cut": ("about.json", lambda data: data[:50]),
+    "about.json emptied": ("about.json", lambda data: b""),
+    "about.json a list": ("about.json", lambda data: b"[]"),
+}
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    return stopped_run(tmp_path_factory.mktemp("stopped") / "run.nc")
+
+
+def assert_refused_and_untouched(part, name, scene):
+    before = {each: each.read_bytes() for each in part.iterdir()}
+    with pytest.raises(sim.SceneError) as caught:
+        sim.simulate(scene, part.with_name("run.nc"))
+    assert str(part / name) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert {each: each.read_bytes() for each in part.iterdir()} == before
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_journal_is_refused_with_the_name_of_the_file(tmp_path, stopped, damage):
+    part = shutil.copytree(stopped, tmp_path / "run.nc.part")
+    name, change = DAMAGES[damage]
+    (part / name).write_bytes(change((part / name).read_bytes()))
+    assert_refused_and_untouched(part, name, scene())
+
+
+@pytest.mark.parametrize("name", ["samples.f64", "snapshots.f64", "about.json"])
+def test_a_journal_with_a_file_missing_is_refused(tmp_path, stopped, name):
+    part = shutil.copytree(stopped, tmp_path / "run.nc.part")
+    (part / name).unlink()
+    assert_refused_and_untouched(part, name, scene())
+
+
+def test_a_journal_with_a_checkpoint_of_another_run_is_refused(tmp_path, stopped):
+    part = stopped_run(tmp_path / "run.nc", damping=Damping(drag=49.0))
+    shutil.copy(stopped / "checkpoint.npz", part)
+    assert_refused_and_untouched(part, "checkpoint.npz", scene(damping=Damping(drag=49.0)))
+
+
+def test_a_checkpoint_of_another_format_is_refused(tmp_path, stopped):
+    part = shutil.copytree(stopped, tmp_path / "run.nc.part")
+    with np.load(part / "checkpoint.npz") as saved:
+        arrays = dict(saved) | {"format": np.asarray(99)}
+    np.savez(part / "checkpoint.npz", **arrays)
+    assert_refused_and_untouched(part, "checkpoint.npz", scene())
+
+
+def everything():
     rods = list(scene().rods)
     tip = End(hold="clamped", motion=Motion(velocity=(0, 0, 1e-3)))
     rods[0] = rods[0].model_copy(update={"tip": tip})
     rods[1] = rods[1].model_copy(update={"tip": End(load=Load(force=(0, 0, -1e-3)))})
-    everything = scene(
+    return scene(
         rods=rods,
         gravity=(0.0, 0.0, -9.81),
         damping=Damping(drag=1.0, material=1e-6),
         output=Output(energy=True),
     )
-    march, fresh = Explicit(everything), Explicit(everything)
+
+
+BARE = {"contact": None, "friction": None, "tines": [], "damping": None}
+ALONE = {
+    "nothing": {},
+    "gravity": {"gravity": (1.0, 0.0, -9.81)},
+    "drag": {"damping": Damping(drag=50.0)},
+    "material": {"damping": Damping(material=1e-7)},
+    "contact": {"contact": Contact()},
+    "self-contact": {"contact": Contact(self_contact=True)},
+    "friction": {"contact": Contact(), "friction": Friction(forward=0.3, backward=0.2)},
+    "tine": {"tines": scene().tines},
+    "tine damping": {"tines": scene().tines, "damping": Damping(tine=1e-6)},
+    "tine friction": {"tines": scene().tines, "friction": Friction(forward=0.3, backward=0.3)},
+    "motion": {"rods": [everything().rods[0]]},
+    "load": {"rods": [everything().rods[1]]},
+    "energy": {"output": Output(energy=True)},
+}
+MATRIX = {name: scene(**BARE | effect) for name, effect in ALONE.items()}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        "all of the preset",
+        "everything",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in MATRIX),  # each is compiled
+    ],
+)
+@pytest.mark.parametrize("parts", [1, 4])
+def test_a_march_goes_on_to_the_last_bit_wherever_it_is_stopped(case, parts):
+    """Every effect x the place where it stops, also while it takes shorter steps."""
+    chosen = MATRIX | {"all of the preset": scene(), "everything": everything()}
+    windows, steps = 6, 40
+    whole = Explicit(chosen[case])
+    kick(whole, parts)
+    saved = []
+    for _ in range(windows):
+        saved.append({name: value.copy() for name, value in freeze(whole).items()})
+        whole.advance(steps)
+    for stop in range(windows):
+        again = Explicit(chosen[case])
+        thaw(again, saved[stop])
+        for _ in range(stop, windows):
+            again.advance(steps)
+        end, there = freeze(again), freeze(whole)
+        assert end.keys() == there.keys()
+        for name in there:
+            np.testing.assert_array_equal(end[name], there[name], err_msg=f"{name}, {stop}")
+
+
+def kick(march, parts):
+    """Throw the strands at each other and at the tine, which is not there yet on its own."""
+    for number in range(len(march.state.first)):
+        march.state.row("V1")[march.state.nodes(number)] = 3.0 * (-1) ** number
+    march.steps = round(5e-3 / march.dt)  # the tine is nearly as thick as it will be
+    march._take(parts)
+
+
+def test_a_checkpoint_holds_all_that_changes_in_a_march_with_every_effect(rng):
+    march, fresh = Explicit(everything()), Explicit(everything())
     assert None not in march.effects
     changed = {
         name: rng.permuted(np.arange(1, array.size + 1)).reshape(array.shape).astype(array.dtype)
         for name, array in freeze(march).items()
-    }
+    } | {"format": np.asarray(FORMAT)}
     thaw(fresh, changed)
     again = freeze(fresh)
     assert again.keys() == changed.keys()

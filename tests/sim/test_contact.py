@@ -28,10 +28,8 @@ def line(middle, direction, length, elements):
     return np.asarray(middle, float) + np.linspace(-0.5, 0.5, elements + 1)[:, None] * length * unit
 
 
-def scene(*rods, **effects_):
-    return Scene(
-        rods=list(rods), duration=1, contact=effects_.pop("contact", Contact()), **effects_
-    )
+def scene(*rods, contact=Contact(overlap="push apart"), **others):  # noqa: B008  (it is frozen)
+    return Scene(rods=list(rods), duration=1, contact=contact, **others)
 
 
 def contact_only(march):
@@ -241,7 +239,7 @@ def test_pairs_pressed_in_batches_are_all_that_touch(rng):
     for _ in range(6):
         walk = np.cumsum(rng.normal(0, 1, (25, 3)), axis=0)
         rods.append(strand(walk * 5e-4 - walk.mean(axis=0) * 5e-4))
-    march = Explicit(scene(*rods, contact=Contact(self_contact=True)))
+    march = Explicit(scene(*rods, contact=Contact(self_contact=True, overlap="push apart")))
     home, drift = march.state.rows("X0 X1 X2"), rng.normal(0, 1, (3, march.state.n))
     drift *= 0.45 * march.contact.skin / np.linalg.norm(drift, axis=0).max()
     pressed = []

@@ -130,7 +130,7 @@ def crossing_with_tine():
 
     tine = Tine(position=(0.02, 0, 0.0185), axis=(0, 1, 0), length=0.2, radius=0.005, insertion=0)
     rods = [bar((1, 0.2, 0.0), (-0.05, 0, 0)), bar((0.6, 1, 0.02), (-0.02, -0.05, 0.0092))]
-    return Scene(rods=rods, duration=1, contact=Contact(), tines=[tine])
+    return Scene(rods=rods, duration=1, contact=Contact(overlap="push apart"), tines=[tine])
 
 
 def touching_force(march):

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from sim.effects import SOFTNESS
 from sim.energy import kinetic_energy
 from sim.presets import NYLON_SCALED, material_time
-from sim.scene import Material
+from sim.scene import Contact, Material
 
 from .hard import (
     SOFT,
@@ -39,7 +39,7 @@ def two_strands(angle, gap, *, elements=(20, 17), length=L):
     """Return free strands of unlike meshes, the second `gap` above the first and turned."""
     lower = line([0, 0, 0], [1, 0, 0], length, elements[0])
     upper = line([0, 0, gap], [math.cos(angle), math.sin(angle), 0], length, elements[1])
-    return march_of(rod(lower, R), rod(upper, R))
+    return march_of(rod(lower, R), rod(upper, R), contact=Contact(overlap="push apart"))
 
 
 @NEARLY_PARALLEL
@@ -116,6 +116,7 @@ def test_a_strand_pressed_with_a_multiple_of_the_typical_force_on_a_crossing(tim
     mass = nylon.density * math.pi * r**2 * 6 * r
     march = march_of(
         rod(lower, r, nylon), rod(upper, r, nylon), gravity=(0, 0, -force / mass), drag=2e5,
+        contact=Contact(overlap="push apart"),
         viscous=material_time(r, nylon.E, nylon.density),
     )  # fmt: skip
     march.state.row("INV_MASS")[march.state.nodes(0)] = 0
