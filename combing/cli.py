@@ -16,6 +16,7 @@ COMMANDS = {
     "helix": "combing.commands.helix",
     "force": "combing.commands.force",
     "simulate": "combing.commands.simulate",
+    "sweep": "combing.commands.sweep",
     "compare": "combing.commands.compare",
     "accuracy": "combing.commands.accuracy",
     "demo": "combing.commands.demo",

@@ -3,7 +3,7 @@
 import logging
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,7 +15,7 @@ from tqdm import tqdm
 import sim
 from combing.compare.comparison import Comparison, Findings, all_errors, joined
 from combing.compare.holdings import holdings, overlooked, shared, spoken
-from combing.compare.jobs import Job, all_jobs
+from combing.compare.jobs import Job, all_jobs, label
 from combing.compare.pages import write_pages
 from combing.errors import UserError, is_users_fault
 from combing.runs import trying
@@ -69,8 +69,9 @@ def compare(study: Study, out: Path, *, jobs: int | None = None, quiet: bool = F
     runs = {path: sim.open_run(path) for path in study.simulations if path.suffix == ".nc"}
     scenes = {path: sim.load_scene(path) for path in study.simulations if path not in runs}
     with _tidy_after_failure(out):
-        bench = _Bench(all_jobs(study), scenes | {path: run.scene for path, run in runs.items()})
-        wanted = {path: scenes[path] for path in bench.scenes if path in scenes}
+        known = scenes | {path: run.scene for path, run in runs.items()}
+        bench = _Bench(all_jobs(study, known))
+        wanted = {key: scene for key, scene in bench.scenes.items() if key not in runs}
         with trying(wanted, out / "runs", jobs=jobs, quiet=quiet) as wait:
             bench.measure(quiet)
             found = bench.compare(runs | wait(), [*overlooked(study), *shared(study)])
@@ -80,20 +81,19 @@ def compare(study: Study, out: Path, *, jobs: int | None = None, quiet: bool = F
 class _Bench:
     """The jobs that are still well, and what was found out about each."""
 
-    def __init__(self, jobs: Sequence[Job], scenes: Mapping[Path, sim.Scene]) -> None:
+    def __init__(self, jobs: Sequence[Job]) -> None:
         self._left_out: list[str] = []
         self._first: Exception | None = None
         self._measured: dict[int, Any] = {}
         self._notes: dict[int, list[str]] = {}
         self._jobs = dict(enumerate(jobs))
         for number, job in list(self._jobs.items()):
-            self._tried(number, self._notes, job.check, scenes)
+            self._tried(number, self._notes, job.check)
 
     @property
-    def scenes(self) -> list[Path]:
-        """Scenes and runs of the sets that are still well."""
-        named = (path for job in self._jobs.values() for path in job.chosen.scenes)
-        return list(dict.fromkeys(named))
+    def scenes(self) -> dict[Hashable, sim.Scene]:
+        """Scenes of the sets that are still well."""
+        return {key: scene for job in self._jobs.values() for key, scene in job.scenes.items()}
 
     def measure(self, quiet: bool) -> None:
         total = sum(job.photographs for job in self._jobs.values())
@@ -103,17 +103,18 @@ class _Bench:
                 self._tried(number, self._measured, job.measure, bar.update)
 
     def compare(
-        self, outcomes: Mapping[Path, sim.Run | Exception], notes: Sequence[str]
+        self, outcomes: Mapping[Any, sim.Run | Exception], notes: Sequence[str]
     ) -> Findings:
-        runs = {path: run for path, run in outcomes.items() if isinstance(run, sim.Run)}
+        runs = {key: run for key, run in outcomes.items() if isinstance(run, sim.Run)}
         found: dict[int, Comparison] = {}
         counts = []
         for number, job in list(self._jobs.items()):
-            failed = [path for path in job.chosen.scenes if path not in runs]
             self._left_out += [
-                f"{job.kind} {job.chosen.name!r}, {path.name}: {outcomes[path]}" for path in failed
+                f"{job.kind} {job.chosen.name!r}, {label(key)}: {outcomes[key]}"
+                for key in job.scenes
+                if key not in runs
             ]
-            there = [path for path in job.chosen.scenes if path in runs]
+            there = [key for key in job.scenes if key in runs]
             counted = job.count(self._measured[number]) | {"runs": len(there)}
             counts.append((job.kind, job.chosen.name, counted))
             log.info("%s", spoken(*counts[-1]))
@@ -127,7 +128,7 @@ class _Bench:
             kind: joined(one for number, one in found.items() if self._jobs[number].kind == kind)
             for kind in kinds
         }
-        used = {path: runs[path] for path in self.scenes if path in runs}
+        used = {label(key): runs[key] for key in self.scenes if key in runs}
         return Findings(comparisons, used, holdings(counts), self._left_out, list(notes))
 
     def _tried(self, number: int, into: dict[int, T], step: Callable[..., T], *given: Any) -> None:

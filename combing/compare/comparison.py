@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import pandas as pd
 
@@ -42,9 +41,9 @@ class Findings:
     Attributes
     ----------
     comparisons : dict
-        One a kind of figure: force, link, interactions.
+        One a kind of figure: force, sweep, link, interactions.
     runs : dict
-        Finished runs by the path that names them in the study.
+        Finished runs by what the study calls their scenes.
     holdings : DataFrame
         How many files, specimens, photographs and runs every set has.
     left_out : list of str
@@ -54,7 +53,7 @@ class Findings:
     """
 
     comparisons: dict[str, Comparison]
-    runs: dict[Path, sim.Run]
+    runs: dict[str, sim.Run]
     holdings: pd.DataFrame
     left_out: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

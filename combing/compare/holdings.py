@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from combing.study import AnySet, CurlSet, ForceSet, LinkSet, Study
+from combing.study import CurlSet, ForceSet, LinkSet, Study, SweepSet
 
 COUNTS = ("files", "specimens", "photographs", "measured", "runs")
 SHOWN = 5  # names of files that a note lists
@@ -32,9 +32,9 @@ def spoken(kind: str, name: str, counts: Mapping[str, int]) -> str:
 def overlooked(study: Study) -> list[str]:
     """Return notes on files that lie beside a set's own, of the same kind, and are in no set."""
     sets = study.sets
-    used = {path.resolve() for one in sets for path in _all_files(one)}
+    used = {path.resolve() for one in sets for path in one.named}
     notes = []
-    for folder, ending in sorted({(p.parent, p.suffix) for one in sets for p in _data(one)}):
+    for folder, ending in sorted({(p.parent, p.suffix) for one in sets for p in one.data}):
         beside = sorted(folder.glob(f"*{ending}")) if ending else []
         others = [path.name for path in beside if path.is_file() and path.resolve() not in used]
         if others:
@@ -45,10 +45,10 @@ def overlooked(study: Study) -> list[str]:
 def shared(study: Study) -> list[str]:
     """Return notes on files that several sets of one kind hold."""
     notes = []
-    for kind in (ForceSet, LinkSet, CurlSet):
+    for kind in (ForceSet, SweepSet, LinkSet, CurlSet):
         owners: dict[Path, list[str]] = {}
         for one in study.sets:
-            for path in _data(one) if isinstance(one, kind) else []:
+            for path in one.data if isinstance(one, kind) else []:
                 owners.setdefault(path.resolve(), []).append(one.name)
         together: dict[tuple[str, ...], list[str]] = {}
         for path, names in owners.items():
@@ -56,16 +56,6 @@ def shared(study: Study) -> list[str]:
                 together.setdefault(tuple(names), []).append(path.name)
         notes += [f"{' and '.join(names)} share {_some(f)}" for names, f in together.items()]
     return notes
-
-
-def _data(one: AnySet) -> list[Path]:
-    return one.logs if isinstance(one, ForceSet) else one.photos
-
-
-def _all_files(one: AnySet) -> list[Path]:
-    named = [*_data(one), *one.scenes]
-    others = ("before", "positions", "truth", "rig")
-    return named + [path for key in others if isinstance(path := getattr(one, key, None), Path)]
 
 
 def _number(names: Sequence[str]) -> str:

@@ -4,9 +4,12 @@ A study is a TOML file; paths in it are relative to it and may hold ``*``. See `
 """
 
 from combing.study.errors import StudyError
-from combing.study.load import load_study
+from combing.study.load import load_study, load_sweep
+from combing.study.plan import Sweep
 from combing.study.positions import tine_positions
-from combing.study.sets import AnySet, CurlSet, ForceSet, LinkSet, Study
+from combing.study.sets import CurlSet, ForceSet, LinkSet
+from combing.study.study import AnySet, Study
+from combing.study.sweeps import SweepSet
 
 __all__ = [
     "AnySet",
@@ -15,6 +18,9 @@ __all__ = [
     "LinkSet",
     "Study",
     "StudyError",
+    "Sweep",
+    "SweepSet",
     "load_study",
+    "load_sweep",
     "tine_positions",
 ]

@@ -44,7 +44,9 @@ def _parts(loc: list[Any]) -> Iterator[str]:
 
 def _nearest(key: str, place: list[Any], model: type[BaseModel]) -> str:
     if place:
-        (model,) = get_args(model.model_fields[str(place[0])].annotation)
-    near = difflib.get_close_matches(key, model.model_fields, n=1, cutoff=0.5)
-    known = ", ".join(model.model_fields)
+        annotation = model.model_fields[str(place[0])].annotation
+        model = next(one for one in get_args(annotation) if isinstance(one, type(BaseModel)))
+    keys = [field.alias or name for name, field in model.model_fields.items()]
+    near = difflib.get_close_matches(key, keys, n=1, cutoff=0.5)
+    known = ", ".join(keys)
     return f"; did you mean {near[0]!r}?" if near else f"; known are {known}"

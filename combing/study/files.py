@@ -1,5 +1,6 @@
 """Files as a study names them: relative to it, by patterns, each once."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -24,13 +25,20 @@ def _files(value: Any, info: ValidationInfo) -> list[Path]:
     patterns = [value] if isinstance(value, str) else value
     if not isinstance(patterns, list) or not all(isinstance(one, str) for one in patterns):
         raise ValueError("expected a file name, a pattern with *, or a list of them")
+    return [path for found in each_once(patterns, folder_of(info)) for path in found]
+
+
+def each_once(patterns: Sequence[str], folder: Path) -> list[list[Path]]:
+    """Return the files that each pattern stands for; raise ValueError where one is named twice."""
     named: dict[Path, tuple[str, Path]] = {}
+    found = []
     for pattern in patterns:
-        for path in matches(pattern, folder_of(info)):
+        found.append(matches(pattern, folder))
+        for path in found[-1]:
             if path.resolve() in named:
                 raise ValueError(_twice(path, pattern, *named[path.resolve()]))
             named[path.resolve()] = (pattern, path)
-    return [path for _, path in named.values()]
+    return found
 
 
 def _twice(path: Path, pattern: str, before: str, other: Path) -> str:

@@ -1,7 +1,6 @@
 """What a study holds: sets of force logs, photographs and scenes that are compared."""
 
 import unicodedata
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -42,6 +41,13 @@ class Table(BaseModel):
 class _Set(Table):
     name: Name
 
+    @property
+    def named(self) -> list[Path]:
+        """All files that the set names."""
+        fields = [getattr(self, key) for key in type(self).model_fields]
+        lists = [one if isinstance(one, list) else [one] for one in fields]
+        return [path for paths in lists for path in paths if isinstance(path, Path)]
+
 
 class ForceSet(_Set):
     """Repeats of one combing on the testing machine, beside their simulation and Love's curve.
@@ -72,6 +78,11 @@ class ForceSet(_Set):
     allow_different: list[Facts] = Field(default_factory=list)
 
     @property
+    def data(self) -> list[Path]:
+        """Files that hold measurements."""
+        return self.logs
+
+    @property
     def scenes(self) -> list[Path]:
         """Scenes and runs that belong to the set."""
         return [self.simulation] if self.simulation else []
@@ -83,6 +94,11 @@ class _Photographs(_Set):
     pixel_size: PositiveFloat | None = None
     strands: PositiveInt | None = None
     truth: File | None = None
+
+    @property
+    def data(self) -> list[Path]:
+        """Files that hold measurements."""
+        return self.photos
 
     @model_validator(mode="after")
     def _one_scale(self) -> "_Photographs":
@@ -168,54 +184,3 @@ class CurlSet(_Photographs):
     def scenes(self) -> list[Path]:
         """Scenes and runs that belong to the set."""
         return self.simulations or []
-
-
-AnySet = ForceSet | LinkSet | CurlSet
-
-
-class Study(Table):
-    """What is compared with what; made by `load_study`.
-
-    Attributes
-    ----------
-    title : str
-        Heading of the report.
-    n_sec : int
-        Sections a curl is cut into when its interactions are counted.
-    force, link, curl : list
-        The comparisons, each a panel of its figure.
-    """
-
-    title: str
-    n_sec: PositiveInt = 20
-    force: list[ForceSet] = Field(default_factory=list)
-    link: list[LinkSet] = Field(default_factory=list)
-    curl: list[CurlSet] = Field(default_factory=list)
-
-    @model_validator(mode="after")
-    def _something(self) -> "Study":
-        if not (self.force or self.link or self.curl):
-            raise ValueError("nothing to compare: add a [[force]], [[link]] or [[curl]] table")
-        for kind in ("force", "link", "curl"):
-            _no_name_twice(kind, [one.name for one in getattr(self, kind)])
-        return self
-
-    @property
-    def sets(self) -> list[AnySet]:
-        """All sets, kind by kind."""
-        return [*self.force, *self.link, *self.curl]
-
-    @property
-    def simulations(self) -> list[Path]:
-        """Every scene and run that the sets name, once each, in order."""
-        return list(dict.fromkeys(path for one in self.sets for path in one.scenes))
-
-
-def _no_name_twice(kind: str, names: Sequence[str]) -> None:
-    for number, name in enumerate(names):
-        if name in names[:number]:
-            first = names.index(name) + 1
-            raise ValueError(
-                f"[[{kind}]] {first} and {number + 1} are both named {name!r}; they would be drawn "
-                "as one: give each a name of its own"
-            )

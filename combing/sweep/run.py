@@ -1,0 +1,160 @@
+"""Simulate the points of a sweep that a folder does not hold yet."""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Protocol
+
+import pandas as pd
+from tqdm import tqdm
+
+import instron
+import sim
+from combing.ensemble import Member
+from combing.study.plan import Sweep
+from combing.sweep.store import Store, part_of_points
+from combing.tables import write_table
+from combing.workers import Crew, cores
+
+BUSY = "another process is writing this run"  # sim.journal's words: no failure, it is on its way
+LAYOUT = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+
+
+class Engine(Protocol):
+    """What simulates scenes into files: `combing.workers.Crew`, or a cluster."""
+
+    @property
+    def fraction(self) -> float: ...  # noqa: D102
+
+    def wait(  # noqa: D102
+        self, look: Callable[[], None], ended: Callable[[Path, Exception | None], None]
+    ) -> None: ...
+
+    def stop(self) -> None: ...  # noqa: D102
+
+    def dismiss(self) -> None: ...  # noqa: D102
+
+
+Start = Callable[[Mapping[Path, sim.Scene]], Engine]
+
+
+def run_sweep(
+    sweep: Sweep,
+    out: Path,
+    *,
+    part: tuple[int, int] = (1, 1),
+    jobs: int | None = None,
+    retry: bool = False,
+    quiet: bool = False,
+    start: Start | None = None,
+) -> pd.DataFrame:
+    """Simulate what is missing of a sweep and write ``points.csv``.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        From `load_sweep`.
+    out : Path
+        Folder of the points.
+    part : (int, int)
+        Simulate the i-th of n parts of the points; several parts may run at once.
+    jobs : int, optional
+        Simulations at once; as many as there are cores when absent.
+    retry : bool
+        Simulate also points whose motion became unstable before.
+    quiet : bool
+        Show no progress.
+    start : callable, optional
+        Starts another engine than processes on this machine.
+
+    Returns
+    -------
+    DataFrame
+        One row a point of the whole sweep: the varied parameters, seed, state (done, failed,
+        missing), f_max, D [m], w, reason, file.
+
+    Raises
+    ------
+    UserError
+        The folder cannot be written to.
+    """
+    members, store = sweep.members(), Store(out)
+    mine = part_of_points(members, part)
+    simulate_points(mine, store, jobs=jobs, retry=retry, quiet=quiet, start=start)
+    table = store.table(members, sweep.varied)
+    about = f"{sweep.title}: {sweep.preset}; f_max and w scaled by l0 = 0.01 m, D in m"
+    write_table(out / "points.csv", table, [about])
+    return table
+
+
+def simulate_points(
+    members: Sequence[Member],
+    store: Store,
+    *,
+    jobs: int | None = None,
+    retry: bool = False,
+    quiet: bool = False,
+    start: Start | None = None,
+) -> None:
+    """Simulate the members that a store does not hold; what fails is recorded and not raised."""
+    store.prepare()
+    missing = store.missing(members, retry=retry)
+    for member in missing.values():
+        store.describe(member)
+    if missing:
+        scenes = {path: member.scene for path, member in missing.items()}
+        engine = (start or _processes(jobs))(scenes)
+        try:
+            _watch(engine, missing, store, quiet)
+        except BaseException:
+            engine.stop()
+            raise
+        engine.dismiss()
+    for member in members:
+        if store.path(member).exists() and store.results(member) is None:
+            store.succeed(member, measured(sim.open_run(store.path(member))))
+
+
+def measured(run: sim.Run) -> dict[str, float]:
+    """Return f_max, D [m] and w of a combing by the rules of `instron.scale`; nothing of a curl."""
+    if not run.scene.tines:
+        return {}
+    log = run.force_log()
+    rig = instron.Rig.model_validate({"r": log.attrs["r"], "E": log.attrs["E"], "zero": "none"})
+    try:
+        facts = instron.scale(log, rig).attrs
+    except instron.Unscalable:
+        return {}
+    return {key: float(facts[key]) for key in ("f_max", "D", "w")}
+
+
+def _processes(jobs: int | None) -> Start:
+    def start(scenes: Mapping[Path, sim.Scene]) -> Crew:
+        return Crew(scenes, min(len(scenes), jobs or cores()))
+
+    return start
+
+
+def _watch(engine: Engine, missing: Mapping[Path, Member], store: Store, quiet: bool) -> None:
+    done = failed = 0
+    with tqdm(total=100.0, bar_format=LAYOUT, mininterval=1, disable=quiet) as bar:
+
+        def look() -> None:
+            ending = f", {failed} failed" if failed else ""
+            bar.set_description(f"{done + failed} of {len(missing)} points{ending}", refresh=False)
+            bar.update(100 * engine.fraction - bar.n)
+
+        def ended(path: Path, error: Exception | None) -> None:
+            nonlocal done, failed
+            if error is None:
+                done += 1
+                store.succeed(missing[path], measured(sim.open_run(path)))
+                return
+            failed += 1
+            if BUSY not in str(error):
+                with suppress(OSError):  # on a full disk: it is tried again the next time anyway
+                    store.fail(missing[path], error)
+
+        look()
+        engine.wait(look, ended)
+        look()
