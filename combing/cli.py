@@ -18,6 +18,7 @@ COMMANDS = {
     "simulate": "combing.commands.simulate",
     "sweep": "combing.commands.sweep",
     "compare": "combing.commands.compare",
+    "claims": "combing.commands.claims",
     "accuracy": "combing.commands.accuracy",
     "demo": "combing.commands.demo",
     "virtual-lab": "combing.commands.virtual_lab",

@@ -25,6 +25,8 @@ class Comparison:
         What was left out or is doubtful, and why.
     synthetic : bool
         Whether the experiment says of itself that it is synthetic.
+    curves : DataFrame
+        Of sets of several values: one row a curve (`combing.compare.sweep.every_curve`).
     """
 
     plotted: pd.DataFrame
@@ -32,6 +34,7 @@ class Comparison:
     errors: pd.DataFrame = field(default_factory=pd.DataFrame)
     notes: list[str] = field(default_factory=list)
     synthetic: bool = False
+    curves: pd.DataFrame = field(default_factory=pd.DataFrame)
 
 
 @dataclass(frozen=True)
@@ -71,12 +74,14 @@ def joined(parts: Iterable[Comparison]) -> Comparison:
         for wanted in captions
     ]
     errors = [part.errors for part in parts if len(part.errors)]
+    curves = [part.curves for part in parts if len(part.curves)]
     return Comparison(
         plotted=pd.concat([part.plotted for part in parts], ignore_index=True),
         numbers=tables,
         errors=pd.concat(errors, ignore_index=True) if errors else pd.DataFrame(),
         notes=[note for part in parts for note in part.notes],
         synthetic=any(part.synthetic for part in parts),
+        curves=pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(),
     )
 
 

@@ -10,14 +10,13 @@ from matplotlib.figure import Figure
 
 from combing import __version__
 from combing.compare.comparison import Comparison, Findings, all_errors
-from combing.ensemble import IMPERFECTION
+from combing.compare.sweep_pages import outcome_sections, sweep_sections
 from combing.figures.errors import draw_errors
 from combing.figures.force import draw_force
 from combing.figures.interactions import draw_interactions
 from combing.figures.link import draw_link
 from combing.figures.photographs import draw_photographs
 from combing.figures.style import save
-from combing.figures.sweep import draw_sweep
 from combing.report import Section, write_report
 from combing.runs import model_version
 from combing.study import Study, tine_positions
@@ -30,14 +29,6 @@ TEXT = {
         "Love's curve is the force that stretches one of the helices by the same displacement.",
         "Grey: mean ± standard deviation over repeats; black: the repeat nearest to all others; "
         "red: simulation; dashed: Love's single helix.",
-    ),
-    "sweep": (
-        "Combings that differ in one parameter",
-        "f = l0² F/B over x = d/D, colour by the value. Bands are mean ± standard deviation over "
-        "repeats or over an ensemble of simulations: pitch, phase of the second strand and "
-        "intrinsic curvature off by draws of {size} (of itself, of half a turn, of the helix's "
-        "own). Beside them the mean of the highest forces with its 95 % interval over curves.",
-        "Black: the one curve nearest to all others of its value; dashed: Love's single helix.",
     ),
     "link": (
         "Link density along the helix",
@@ -66,11 +57,13 @@ def write_pages(study: Study, findings: Findings, folder: Path) -> None:
         section
         for kind, found in comparisons.items()
         for section in (
-            _sweeps(study, found, folder)
+            sweep_sections(study, found, folder)
             if kind == "sweep"
             else [_section(study, kind, found, folder)]
         )
     ]
+    if "sweep" in comparisons:
+        sections += outcome_sections(comparisons["sweep"], folder)
     if findings.left_out:
         sections.insert(0, Section("Left out", findings.left_out))
     errors = all_errors(comparisons)
@@ -102,34 +95,6 @@ def _section(study: Study, kind: str, found: Comparison, folder: Path) -> Sectio
     paragraphs = [text.format(n_sec=study.n_sec)]
     data = f"{kind}.csv"
     return Section(title, paragraphs, png, caption, data, found.numbers, notes=found.notes)
-
-
-def _sweeps(study: Study, found: Comparison, folder: Path) -> list[Section]:
-    """Give every set of several values a figure and a table of its own."""
-    title, text, caption = TEXT["sweep"]
-    sections = []
-    for number, one in enumerate(study.sweep, start=1):
-        plotted = found.plotted[found.plotted["set"] == one.name]
-        if plotted.empty:
-            continue
-        stem = f"sweep_{number}"
-        png, _ = save(
-            draw_sweep(plotted, synthetic=found.synthetic), folder, stem, synthetic=found.synthetic
-        )
-        about = f"{title}: {one.name}, over {one.over}; SI units"
-        write_table(folder / f"{stem}.csv", plotted, [about])
-        numbers = [
-            (label, table[table["set"] == one.name].dropna(axis=1, how="all"))
-            for label, table in found.numbers
-            if (table["set"] == one.name).any()
-        ]
-        notes = [note for note in found.notes if note.startswith(f"{one.name}, ")]
-        size = one.fixed.get("imperfection", IMPERFECTION)
-        paragraph = text.format(size=f"{size:.0%}")
-        sections.append(
-            Section(one.name, [paragraph], png, caption, f"{stem}.csv", numbers, notes=notes)
-        )
-    return sections
 
 
 def _drawers(study: Study) -> dict[str, Callable[[Comparison], Figure]]:

@@ -12,6 +12,7 @@ from combing.compare.force import GRID, ROOM, scale_run
 from combing.study import SweepSet
 
 LEVEL = 0.95
+SUDDEN = 0.05  # of D: a jam's force falls steepest within this; a smooth hump's does not
 Curves = Mapping[float, Sequence[pd.DataFrame]]
 
 
@@ -89,7 +90,40 @@ def compare_sweep(
             for some in measured.values()
             for curve in some
         ),
+        curves=pd.concat(
+            every_curve(chosen, source, some)
+            for source, some in (("experiment", measured), ("simulation", simulated))
+        ),
     )
+
+
+def every_curve(chosen: SweepSet, source: str, curves: Curves) -> pd.DataFrame:
+    """Return one row a curve.
+
+    Returns
+    -------
+    DataFrame
+        Columns set, over, source, value, f_max, w, D (m), jams (peaks that are released within
+        5 % of D), plateaus.
+    """
+    rows = []
+    for value, some in curves.items():
+        for curve in some:
+            found = instron.events(curve)
+            sudden = (found["kind"] == "jam") & (found["release_x"] - found["x"] < SUDDEN)
+            rows.append(
+                {
+                    "set": chosen.name,
+                    "over": chosen.over,
+                    "source": source,
+                    "value": value,
+                    **{key: float(curve.attrs[key]) for key in ("f_max", "w")},
+                    "D (m)": float(curve.attrs["D"]),
+                    "jams": int(sudden.sum()),
+                    "plateaus": int((found["kind"] == "plateau").sum()),
+                }
+            )
+    return pd.DataFrame(rows)
 
 
 def _drawn(value: float, curves: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:

@@ -181,6 +181,13 @@ def test_density_is_the_count_of_crossings_over_the_length_of_the_curl(curls):
         assert pairs.loc[sample, "density"] == pytest.approx(sections / 0.1, rel=0.01)
 
 
+@pytest.mark.parametrize("unit", [1.0, 5e-5])
+def test_density_of_a_section_is_its_count_over_its_length(unit):
+    lines = [line / unit for line in braid(6)]
+    found = count_interactions(lines, unit, 20)
+    np.testing.assert_allclose(found["density"], found["count"] / (0.1 / 20), rtol=0.01)
+
+
 def test_table_of_densities_holds_mean_and_sample_sd(curls):
     table = dict(curls.numbers)["Mean density of N-body interactions (1/m)"].set_index("N")
     densities = curls.plotted.loc[curls.plotted["N"] == 2, "density"].to_numpy()

@@ -128,6 +128,11 @@ def test_every_number_of_the_table_is_that_of_the_closed_form(found):
             )
             both = peak[["low", "high"]].to_numpy().ravel()
             np.testing.assert_allclose(both, PER_NEWTON * np.array([low, high]), rtol=0.03)
+    heights = [height for heights in HEIGHTS.values() for height in heights]
+    np.testing.assert_allclose(found.curves["f_max"], PER_NEWTON * np.array(heights), rtol=0.02)
+    np.testing.assert_allclose(found.curves["D (m)"], D, rtol=0.005)
+    # Smooth humps: the force falls slowly, so none is a jam that is released at once.
+    assert (found.curves["jams"] == 0).all()
     (table,) = (table for _, table in found.numbers)
     assert table["curves"].tolist() == [3, 2, 1]
     assert table["D (m)"].to_numpy() == pytest.approx(D, rel=0.005)
@@ -191,3 +196,20 @@ def test_simulations_alone_are_an_ensemble_a_value(lab):
     assert (peaks["low"] < peaks["f"]).all()
     assert "draws of 2%" in (out / "report.html").read_text(encoding="utf-8")
     assert (out / "sweep_1.svg").is_file()
+    verdicts = pd.read_csv(out / "claims.csv", comment="#").set_index("claim")
+    assert verdicts.loc["tighter pitch", "curves"] == 4
+    assert len(pd.read_csv(out / "curves.csv", comment="#")) == 4
+
+
+def test_strokes_of_several_lengths_get_a_figure_of_their_cost(lab):
+    lab(LOGS + "fixed = { turns = 50 }\n")
+    path = lab.folder / "study.toml"
+    path.write_text(path.read_text().replace('over = "pi1"', 'over = "q"'))
+    out = lab.folder / "out"
+    compare(load_study(path), out, quiet=True)
+    cost = pd.read_csv(out / "cost.csv", comment="#")
+    strokes = cost[cost["gamma"] == 0].set_index("q")["cost"]
+    assert strokes.to_dict() == pytest.approx({q: 25 / q for q in HEIGHTS})
+    pain = cost[cost["gamma"] == 1].set_index("q")["cost"]
+    assert pain[14] == pytest.approx(PER_NEWTON * np.mean(HEIGHTS[14]), rel=0.02)
+    assert "Cost of combing" in (out / "report.html").read_text(encoding="utf-8")

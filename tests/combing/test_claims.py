@@ -1,0 +1,141 @@
+"""The paper's claims: each can hold and can fail, and its intervals are what they say."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from combing.claims import Verdict, all_claims, judge
+from combing.claims.measures import exponent, ratio_of_ends, share
+from combing.cost import cost, cost_table
+from combing.figures.cost import draw_cost
+from combing.tables import write_table
+from sim.presets import DoubleHelix
+
+VALUES = {
+    "pi1": (14, 18, 24, 36, 48), "pi2": (1, 1.5, 2, 3), "pi3": (1, 2, 4),
+    "q": (2, 4, 8, 15, 25), "friction": (0.0, 0.1, 0.3),
+}  # fmt: skip
+
+
+def curves(over, power=0.0, jams=0, plateaus=0, repeats=9, scatter=0.02):
+    rng = np.random.default_rng(0)
+    values = np.repeat(VALUES[over], repeats).astype(float)
+    f_max = 10 * (values + (over == "friction")) ** power
+    f_max = f_max * np.exp(scatter * rng.standard_normal(len(values)))
+    return pd.DataFrame({"set": "s", "over": over, "source": "simulation", "value": values,
+                         "f_max": f_max, "jams": jams, "plateaus": plateaus})  # fmt: skip
+
+
+@pytest.mark.parametrize("name", all_claims())
+def test_every_claim_is_stated_and_can_hold_and_can_fail(name):
+    claim = all_claims()[name]
+    assert claim.sentence.endswith(".")
+    assert claim.where
+    assert claim.over in DoubleHelix.model_fields
+    assert np.isfinite([claim.above, claim.below]).any()
+    worlds = [
+        curves(claim.over, power, count, count) for power in (-1.5, 0.0, 1.5) for count in (0, 1)
+    ]
+    verdicts = {claim.verdict(claim.measure(world)) for world in worlds}
+    if claim.by_definition:
+        assert verdicts == {Verdict.DEFINITION}
+    else:
+        assert {Verdict.HOLDS, Verdict.FAILS} <= verdicts
+    few = claim.verdict(claim.measure(curves(claim.over, repeats=1, scatter=1.0)))
+    assert few in (Verdict.OPEN, Verdict.DEFINITION)
+
+
+def test_a_claim_that_no_set_is_about_is_open():
+    found = judge(curves("pi1", -2.0))
+    about = found[found["set"] == "s"]
+    assert set(about["claim"]) == {"tighter pitch", "jams when tight", "no jam when loose"}
+    assert about.set_index("claim").loc["tighter pitch", "verdict"] == "holds"
+    others = found[found["set"] != "s"]
+    assert set(others["verdict"]) == {"cannot tell"}
+    assert len(found) == len(all_claims())
+    assert (judge(pd.DataFrame())["verdict"] == "cannot tell").all()
+
+
+def test_interval_of_the_exponent_covers_the_truth_as_often_as_it_says():
+    rng = np.random.default_rng(3)
+    x = np.repeat([14.0, 18, 24, 36, 48], 5)
+    covered = 0
+    for _ in range(400):
+        f = 100 * x**-1.7 * np.exp(0.2 * rng.standard_normal(len(x)))
+        found = exponent(pd.DataFrame({"value": x, "f_max": f}))
+        covered += found.low <= -1.7 <= found.high
+    assert 0.92 <= covered / 400 <= 0.98
+
+
+def test_ratio_and_share_of_known_curves():
+    table = pd.DataFrame({"value": [1.0, 1, 2, 2], "f_max": [2.0, 2.2, 6.0, 6.6]})
+    found = ratio_of_ends(table)
+    assert found.value == pytest.approx(3)
+    assert found.low < 3 < found.high
+    table = pd.DataFrame({"value": [1.0] * 10 + [50.0], "jams": [0, 2, *[1] * 4, *[0] * 4, 9]})
+    found = share("jams", lambda value: value < 20)(table)
+    assert found.value == 0.5
+    assert [found.low, found.high] == pytest.approx([0.1871, 0.8129], abs=1e-4)
+    assert share("jams", lambda value: value > 90)(table) is None
+
+
+def test_cost_weighs_force_against_the_number_of_strokes():
+    q = np.array([1.0, 5.0, 25.0])
+    assert cost(q, q, 0.0) == pytest.approx([25, 5, 1])
+    assert cost(q, q, 1.0) == pytest.approx(q)
+    assert cost(q, q, 0.5) == pytest.approx([13, 5, 13])
+
+
+def test_the_best_stroke_is_where_the_slope_of_the_cost_vanishes():
+    """With f_max = a q^2 it is the cube root of (1 - gamma) q0/(2 a gamma)."""
+    q = np.linspace(1, 25, 2401)
+    table = cost_table(q, 0.02 * q**2)
+    for gamma in (0.25, 0.5, 0.75):
+        best = table.loc[table["gamma"] == gamma, "best"].iloc[0]
+        assert best == pytest.approx(((1 - gamma) * 25 / (0.04 * gamma)) ** (1 / 3), abs=0.02)
+    assert table.loc[table["gamma"] == 0, "best"].iloc[0] == 25
+    assert table.loc[table["gamma"] == 1, "best"].iloc[0] == 1
+    assert table["low"].isna().all()
+
+
+def test_interval_of_the_cost_is_that_of_the_mean_force():
+    rng = np.random.default_rng(1)
+    q = np.repeat([2.0, 10.0, 25.0], 40)
+    f = q + rng.standard_normal(len(q))
+    table = cost_table(q, f).set_index(["gamma", "q"])
+    for place in (2.0, 10.0, 25.0):
+        own = f[q == place]
+        low, high = own.mean() + np.array([-1.96, 1.96]) * own.std() / np.sqrt(40)
+        row = table.loc[(1.0, place)]
+        assert [row["low"], row["cost"], row["high"]] == pytest.approx(
+            [low, own.mean(), high], abs=0.06
+        )
+        assert table.loc[(0.0, place), "high"] == pytest.approx(25 / place)
+
+
+def test_figure_of_the_cost_draws_the_table_and_rings_the_best():
+    q = np.array([2.0, 2.0, 8.0, 8.0, 25.0, 25.0])
+    table = cost_table(q, q + np.array([0, 1, 0, 1, 0, 1])).assign(set="s", source="simulation")
+    (panel,) = draw_cost(table, synthetic=False).axes
+    rings = [one for one in panel.lines if one.get_markersize() == 8]
+    for gamma, ring in zip(table["gamma"].unique(), rings, strict=True):
+        own = table[table["gamma"] == gamma]
+        (line,) = [one for one in panel.lines if one.get_label() == rf"$\gamma$ = {gamma:g}"]
+        np.testing.assert_allclose(line.get_ydata(), own["cost"])
+        assert ring.get_ydata().item() == own["cost"].min()
+
+
+def test_the_command_says_the_verdict_first(tmp_path, capsys):
+    from combing.cli import main
+
+    write_table(tmp_path / "curves.csv", curves("pi1", -2.0), ["t"])
+    with pytest.raises(SystemExit) as ended:
+        main(["claims", str(tmp_path)])
+    assert ended.value.code == 0
+    said = capsys.readouterr().out
+    assert "HOLDS: The tighter the pitch, the larger the force it takes to comb." in said
+    assert "threshold below 0" in said
+    with pytest.raises(SystemExit) as ended:
+        main(["claims", str(tmp_path / "none")])
+    assert ended.value.code == 2
+    assert "`combing compare` writes it" in capsys.readouterr().err
