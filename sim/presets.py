@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
@@ -36,16 +36,18 @@ def material_time(r: float, E: float, density: float) -> float:
 
 
 class DoubleHelix(Part):
-    """Two right-handed helical strands, stress-free as drawn, clamped at the top, and a tine.
+    """Two helical strands, stress-free as drawn, clamped at the top, and a tine.
 
-    `pi1` = P/r, `pi2` = R/r, `pi3` = t/r. Give `height` [m] or `turns`. `q` is the number of
-    pitches between the tine and the free end; left out, the tine starts one pitch below the clamp.
-    `imperfection` adds a random intrinsic curvature, as a fraction of the helix's own.
+    `pi1` = P/r, `pi2` = R/r, `pi3` = t/r; right-handed unless `handedness` says "left". Give
+    `height` [m] or `turns`. `q` is the number of pitches between the tine and the free end; left
+    out, the tine starts one pitch below the clamp. `imperfection` adds a random intrinsic
+    curvature, as a fraction of the helix's own.
     """
 
     pi1: Positive = 18.0
     pi2: Annotated[float, Field(ge=1)] = 1.0
     pi3: Positive = 2.0
+    handedness: Literal["right", "left"] = "right"
     r: Positive = 4.25e-4
     height: Positive | None = None
     turns: Positive | None = None
@@ -116,7 +118,13 @@ class DoubleHelix(Part):
         radius = self.pi2 * self.r
         curvature = radius / (radius**2 + (self.pitch / (2 * math.pi)) ** 2)
         return Rod(
-            shape=Helix(radius=radius, pitch=self.pitch, height=self.extent, phase=phase),
+            shape=Helix(
+                radius=radius,
+                pitch=self.pitch,
+                height=self.extent,
+                phase=phase,
+                handedness=self.handedness,
+            ),
             radius=self.r,
             elements=max(2, round(self.elements_per_pitch * self.extent / self.pitch)),
             material=Material(E=self.E, nu=self.nu, density=self.density),
@@ -128,7 +136,7 @@ class DoubleHelix(Part):
     def _tine(self) -> Tine:
         below = self.extent - self.pitch if self.q is None else self.q * self.pitch
         depth = max(self.extent - below, 0.0)
-        angle = 2 * math.pi * depth / self.pitch
+        angle = 2 * math.pi * depth / self.pitch * (1 if self.handedness == "right" else -1)
         radius = self.pi3 * self.r
         return Tine(
             position=(0.0, 0.0, -depth),

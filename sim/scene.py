@@ -38,13 +38,14 @@ class Material(Part):
 
 
 class Helix(Part):
-    """Right-handed helix hanging from z = 0 along -z: radius, pitch, height [m], phase [rad]."""
+    """Helix hanging from z = 0 along -z: radius, pitch, height [m], phase [rad], handedness."""
 
     kind: Literal["helix"] = "helix"
     radius: Positive
     pitch: Positive
     height: Positive
     phase: float = 0.0
+    handedness: Literal["right", "left"] = "right"
 
 
 class Straight(Part):

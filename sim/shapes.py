@@ -13,7 +13,15 @@ def straight(root: Array, direction: Array, length: float, elements: int) -> Arr
     return np.asarray(root, float) + np.linspace(0, length, elements + 1)[:, None] * unit
 
 
-def helix(radius: float, pitch: float, height: float, elements: int, phase: float = 0.0) -> Array:
+def helix(
+    radius: float,
+    pitch: float,
+    height: float,
+    elements: int,
+    phase: float = 0.0,
+    *,
+    left: bool = False,
+) -> Array:
     """Return nodes [m] of a right-handed helix that hangs from z = 0 down to z = -height.
 
     The nodes lie a little outside `radius`, where the chords between them have `radius` as their
@@ -27,13 +35,16 @@ def helix(radius: float, pitch: float, height: float, elements: int, phase: floa
         Number of chords.
     phase : float
         Angle of the root about the axis [rad].
+    left : bool
+        Left-handed instead: the mirror image in the plane y = 0.
     """
     turns = np.linspace(0, height / pitch, elements + 1)
     step = 2 * np.pi * turns[1]
     # Mean of sqrt(1 - 4 s (1 - s) sin^2(step/2)) over the chord, to second order in step.
     outside = radius * (1 + step**2 / 12)
     angle = 2 * np.pi * turns + phase
-    return np.column_stack([outside * np.cos(angle), -outside * np.sin(angle), -pitch * turns])
+    across = (1 if left else -1) * outside * np.sin(angle)
+    return np.column_stack([outside * np.cos(angle), across, -pitch * turns])
 
 
 def frames(nodes: Array) -> Array:

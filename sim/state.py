@@ -111,7 +111,10 @@ def centreline(rod: Rod) -> Array:
     """Return the nodes of a rod as drawn, (elements + 1, 3) [m]."""
     shape = rod.shape
     if isinstance(shape, Helix):
-        return shapes.helix(shape.radius, shape.pitch, shape.height, rod.elements, shape.phase)
+        return shapes.helix(
+            shape.radius, shape.pitch, shape.height, rod.elements, shape.phase,
+            left=shape.handedness == "left",
+        )  # fmt: skip
     if isinstance(shape, Straight):
         return shapes.straight(
             np.array(shape.root), np.array(shape.direction), shape.length, rod.elements

@@ -61,7 +61,7 @@ def command(
     \b
     Presets and their parameters (lengths in m, speed in m/s, E in Pa):
       double_helix  two strands clamped at the top, combed by a tine:
-                    pi1 = P/r, pi2 = R/r, pi3 = t/r, r, height or turns,
+                    pi1 = P/r, pi2 = R/r, pi3 = t/r, handedness, r, height or turns,
                     q (pitches below the tine), friction, speed, insertion, E, nu, density,
                     elements_per_pitch, imperfection, samples_per_pitch,
                     snapshots, seed

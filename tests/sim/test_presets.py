@@ -78,3 +78,21 @@ def test_the_curl_is_as_wavy_as_asked():
     assert scene.rods[0].curvature.correlation == 0.02
     assert scene.gravity == (0.0, 0.0, -9.81)
     assert scene.rods[0].shape.length == 0.1
+
+
+def test_a_left_handed_helix_is_combed_as_the_mirror_image_of_a_right_handed_one():
+    """Mirrored in y = 0: the same force, the opposite link, as long as rounding stays small."""
+    runs = {}
+    for handedness in ("right", "left"):
+        scene = sim.double_helix(
+            pi1=24, turns=3, elements_per_pitch=8, insertion=2e-3, handedness=handedness
+        )
+        runs[handedness] = sim.simulate(scene.model_copy(update={"duration": 6e-3}))
+    right, left = runs["right"], runs["left"]
+    assert right.data.attrs["link_drawn"] == pytest.approx(3, abs=0.01)
+    assert left.data.attrs["link_drawn"] == pytest.approx(-right.data.attrs["link_drawn"], rel=1e-9)
+    mirrored = [strand * [1, -1, 1] for strand in left.strands(-1)]
+    np.testing.assert_allclose(mirrored, right.strands(-1), atol=1e-7)
+    force = right.force_log().force
+    np.testing.assert_allclose(left.force_log().force, force, atol=1e-3 * abs(force).max())
+    assert abs(force).max() > 1e-5
