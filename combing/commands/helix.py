@@ -38,6 +38,7 @@ COLUMNS = {
     "R_sd": "its standard deviation [UNIT]",
     "x, y": "axis in the picture [px], pixel centres at whole numbers, x right, y down",
     "resolved": "whether the helix is measured there",
+    "by": "what tells it: edges followed, or half-turns counted from the colours",
     "front": "strand in front at a crossing",
     "sense": "+1 right-handed, -1 left-handed",
     "confidence": "width by which the front strand shows more than the other, over its width",
@@ -55,7 +56,7 @@ class Options:
 
     scale: Request | None
     root: str
-    colours: tuple[int, int] | None
+    pair: int
     tine: tuple[float, ...] | None
     roi: tuple[int, int, int, int] | None
 
@@ -72,7 +73,8 @@ class Options:
 @click.option("--scale", help=f"Pixels to metres: {FORMS}. Without it, results are in pixels.")
 @click.option("--root", type=click.Choice(["top", "bottom", "left", "right"]), default="top",
               show_default=True, help="Side of the picture where the clamped end is.")  # fmt: skip
-@click.option("--colours", help="The two strands among the colours found, as I,J from 0.")
+@click.option("--pair", type=click.IntRange(min=1), default=1, show_default=True,
+              help="Which of several pairs that wind, from the one of the most turns.")  # fmt: skip
 @click.option("--tine", help="Where the tine crosses, as X,Y or X,Y,RADIUS [px].")
 @click.option("--positions", help="Tine positions x = d/D of the photos: a series, as X1,X2,...")
 @click.option(
@@ -88,7 +90,7 @@ def command(
     output: Path,
     scale: str | None,
     root: str,
-    colours: str | None,
+    pair: int,
     tine: str | None,
     positions: str | None,
     before: Path | None,
@@ -109,7 +111,7 @@ def command(
     options = Options(
         parse_scale(scale) if scale else None,
         root,
-        _numbers("--colours", colours, (2,), int),
+        pair,
         _numbers("--tine", tine, (2, 3), float),
         _numbers("--roi", roi, (4,), int),
     )
@@ -182,7 +184,7 @@ def _folder_names(photos: tuple[Path, ...]) -> list[str]:
 def _measure(path: Path, options: Options) -> tuple[Photo, HelixMeasurement]:
     """Read and measure one photograph; the message of a failure names it."""
     photo = imaging.read_photo(path, roi=options.roi)
-    ask = partial(helix, colours=options.colours, root=options.root, tine=options.tine)
+    ask = partial(helix, pair=options.pair - 1, root=options.root, tine=options.tine)
     try:
         scale, photo = calibrate(photo, options.scale)
         found = ask(photo, scale=scale)

@@ -38,8 +38,8 @@ class HelixMeasurement:
     link_density : DataFrame
         ``s``, ``link``, ``sd``: arclength from the root, link per length, its standard deviation.
     phase : DataFrame
-        ``s``, ``phi``, ``sd``, ``R``, ``R_sd``, ``x``, ``y``, ``resolved``: phase [rad], helix
-        radius, axis in the picture [px].
+        ``s``, ``phi``, ``sd``, ``R``, ``R_sd``, ``x``, ``y``, ``resolved``, ``by``: phase [rad],
+        helix radius, axis in the picture [px], and what tells them: edges, or half-turns counted.
     crossings : DataFrame
         ``s``, ``phi``, ``front``, ``sense``, ``confidence``: half-turns, the colour in front, +1
         where right-handed, and by how much of its width the front strand shows more than the other
@@ -62,8 +62,8 @@ class HelixMeasurement:
     warnings : tuple of str
     strands : two (n, 2) arrays
         Fitted centrelines [px], NaN where not resolved.
-    fit : Fit
-        The fitted model, in pixels.
+    fit : Fit or None
+        The model fitted to edges, in pixels; None where half-turns were counted only.
     """
 
     link_density: pd.DataFrame
@@ -84,7 +84,7 @@ class HelixMeasurement:
     unit: str
     warnings: tuple[str, ...]
     strands: tuple[Array, Array]
-    fit: Fit
+    fit: Fit | None
     length_per_pixel: float
 
     @property
@@ -102,7 +102,11 @@ class HelixMeasurement:
             return float("nan"), float("nan")
         first, last = (self.phase.iloc[i] for i in rows)
         length = last["s"] - first["s"]
-        turns, sd = _turns(self.fit, *(self.phase.attrs["knot_s"][i] for i in rows))
+        if self.fit is not None and (self.phase["by"].iloc[rows] == "edges").all():
+            turns, sd = _turns(self.fit, *(self.phase.attrs["knot_s"][i] for i in rows))
+        else:
+            turns = (last["phi"] - first["phi"]) / (2 * np.pi)
+            sd = float(np.hypot(first["sd"], last["sd"])) / (2 * np.pi)
         # The pitch's sd holds that of lengths: scale, lean and shading.
         return turns / length, float(np.hypot(sd, turns * self.pitch_sd / self.pitch)) / length
 
@@ -167,7 +171,7 @@ def measurement_of(
     return HelixMeasurement(
         link_density=link,
         phase=phase,
-        crossings=_crossing_table(start, np.interp(start.turns.s, model.table.s, arc)),
+        crossings=crossing_table(start.turns, np.interp(start.turns.s, model.table.s, arc)),
         tine=None if tine is None else float(np.interp(tine, model.table.s, arc)),
         lean=lean,
         lean_sd=lean_sd,
@@ -282,7 +286,8 @@ def _phase_table(
         "R_sd": per_pixel * wider * _sd(fitted, "R", t),
     })  # fmt: skip
     frame[~resolved] = np.nan
-    return frame.assign(s=s, x=points[:, 0], y=points[:, 1], resolved=resolved)
+    by = np.where(resolved, "edges", "")
+    return frame.assign(s=s, x=points[:, 0], y=points[:, 1], resolved=resolved, by=by)
 
 
 def _link_table(
@@ -338,16 +343,11 @@ def _resolution(fitted: Fit, s: Array, resolved: Mask) -> float:
     return length / max(fitted.freedom["phi"] - 1, 1.0)
 
 
-def _crossing_table(start: Start, s: Array) -> pd.DataFrame:
-    front = np.where(np.sin(start.turns.phase) > 0, "a", "b")
+def crossing_table(turns: HalfTurns, s: Array) -> pd.DataFrame:
+    """Tabulate half-turns at these arclengths."""
+    front = np.where(np.sin(turns.phase) > 0, "a", "b")
     return pd.DataFrame(
-        {
-            "s": s,
-            "phi": start.turns.phase,
-            "front": front,
-            "sense": start.turns.sense,
-            "confidence": start.turns.sure,
-        }
+        {"s": s, "phi": turns.phase, "front": front, "sense": turns.sense, "confidence": turns.sure}
     )
 
 
@@ -363,7 +363,7 @@ def _warnings(
         )
     if len(set(np.sign(np.diff(start.turns.phase)))) > 1:
         said.append("not all half-turns have the same sense; total link is their sum")
-    said += _gaps(start, s, resolved, unit)
+    said += gaps(s, resolved, unit, start.pitch * s[-1] / start.axis.s[-1])
     if fitted.noise > 0.1 * start.r:
         said.append(f"edges scatter by {fitted.noise:.2f} px about the helix; is it one?")
     return said
@@ -381,13 +381,14 @@ def _leaning(lean: Array) -> list[str]:
     ]
 
 
-def _gaps(start: Start, s: Array, resolved: Mask, unit: str) -> list[str]:
-    gaps = np.flatnonzero(np.diff(np.r_[1, resolved.astype(int), 1])).reshape(-1, 2)
+def gaps(s: Array, resolved: Mask, unit: str, pitch: float) -> list[str]:
+    """Say where nothing is resolved."""
+    open_ = np.flatnonzero(np.diff(np.r_[1, resolved.astype(int), 1])).reshape(-1, 2)
     said = [
-        f"not resolved from s = {s[a]:.4g} to {s[min(b, len(s) - 1)]:.4g} {unit}" for a, b in gaps
+        f"not resolved from s = {s[a]:.4g} to {s[min(b, len(s) - 1)]:.4g} {unit}" for a, b in open_
     ]
-    longest = max((s[b - 1] - s[a] for a, b in gaps if a > 0 and b < len(s)), default=0.0)
-    if longest > HIDDEN * start.pitch * s[-1] / start.axis.s[-1]:
+    longest = max((s[b - 1] - s[a] for a, b in open_ if a > 0 and b < len(s)), default=0.0)
+    if longest > HIDDEN * pitch:
         said.append(
             "more than half a pitch lies in a gap: the winding across it is not determined, and "
             "whole turns hidden there are missing from the total link"

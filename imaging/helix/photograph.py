@@ -1,6 +1,7 @@
 """Two twisted strands in a photograph -> axis, radius, phase, link density, each with its sd."""
 
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -20,7 +21,9 @@ from imaging.helix.count import (
     spread_apart,
     strand_radius,
 )
+from imaging.helix.counted import borne_out, count_turns, from_counts
 from imaging.helix.edges import Edges, doubted, edges_in_light, find_edges
+from imaging.helix.find import Pair, find_pairs, segmentation_of
 from imaging.helix.fit import Fit, fit, fit_best, widened
 from imaging.helix.measurement import HelixMeasurement, Start, measurement_of
 from imaging.helix.model import Layout, Model, offsets
@@ -36,6 +39,11 @@ Mask = np.ndarray
 THIN = 2.5  # px; strands thinner than this have no middle to measure
 SLOPED = 5.5  # px; strands thinner than this show too little of a slope beside an edge
 ENOUGH = 0.5  # of the edges that coverage shows; where fewer are clear in the light it is too dim
+NOTHING_WINDS = "no two strands of different colours are seen to wind round each other"
+FOUR_STRANDS = (
+    "four strands wind here, two by two (a pair folded and plied back on itself); only a double "
+    "helix of two strands is measured"
+)
 UNSEEN = (
     "no tine is seen; it is taken to be where strands that lie apart come together towards the tip"
 )
@@ -48,6 +56,7 @@ END = 0.25  # pitch; cut ends and clamps are no helix
 def helix(
     picture: Photo | Segmentation,
     *,
+    pair: int = 0,
     colours: tuple[int, int] | None = None,
     scale: float | Scale | None = None,
     root: str = "top",
@@ -64,9 +73,11 @@ def helix(
     ----------
     picture : Photo or Segmentation
         A photograph's strands are told apart, and their border found, from its colours.
+    pair : int
+        Which of the pairs that wind in a photograph, counted from 0 from the most turns.
     colours : (i, j), optional
-        The two strands, counted from 0 from the most frequent colour to the least; by default the
-        two colours that touch along the greatest length.
+        The two strands among a segmentation's colours; by default the two that touch along the
+        greatest length.
     scale : float or Scale, optional
         Pixels per metre, or a measured scale, whose sd is carried on. Without it lengths are in
         pixels.
@@ -85,14 +96,86 @@ def helix(
     Unmeasurable
         When there are not two strands, they do not twist, or they are too thin.
     """
-    photo, segmentation = _segmented(picture)
+    if isinstance(picture, Photo):
+        found = helices(picture, scale=scale, root=root, tine=tine, only=pair)
+        return _or_raise(found[0])
+    return _measured(None, picture, colours, scale, root, tine)
+
+
+def helices(
+    photo: Photo,
+    *,
+    scale: float | Scale | None = None,
+    root: str = "top",
+    tine: tuple[float, ...] | None = None,
+    only: int | None = None,
+) -> list[HelixMeasurement | Unmeasurable]:
+    """Measure every pair of strands that wind in a photograph, those of the most turns first.
+
+    Parameters
+    ----------
+    photo, scale, root, tine
+        As for `helix`.
+    only : int, optional
+        Measure this pair alone, counted from 0.
+
+    Returns
+    -------
+    list of HelixMeasurement or Unmeasurable
+        A pair that could not be measured is there with the reason.
+
+    Raises
+    ------
+    Unmeasurable
+        When nothing winds.
+    """
+    pairs, perhaps = find_pairs(photo)
+    if not pairs:
+        if not perhaps:
+            raise Unmeasurable(f"{photo.source}: {NOTHING_WINDS}")
+        return [_segmented(photo, scale, root, tine)]
+    if only is not None and not 0 <= only < len(pairs):
+        raise Unmeasurable(f"pair {only + 1} asked for; {len(pairs)} wind in {photo.source}")
+    wanted = pairs if only is None else [pairs[only]]
+    found = [_attempt(photo, pair, None, scale, root, tine) for pair in wanted]
+    if len(pairs) == 1 and isinstance(found[0], Unmeasurable) and not pairs[0].four:
+        found = [_segmented(photo, scale, root, tine)]
+    one = found[0]
+    if only is not None and len(pairs) > 1 and isinstance(one, HelixMeasurement):
+        said = f"{len(pairs)} pairs wind in this picture; this is number {only + 1}"
+        found[0] = replace(one, warnings=(*one.warnings, said))
+    return found
+
+
+def _segmented(photo: Photo, *how: Any) -> HelixMeasurement | Unmeasurable:
+    """Measure the pair in all that `segment` tells apart, at last with dim strands."""
     try:
-        return _measured(photo, segmentation, colours, scale, root, tine)
-    except Unmeasurable:
-        whole = with_dim_strands(segmentation)
-        if photo is None or whole is segmentation:
-            raise
-    return _measured(photo, split_colours(photo, whole), colours, scale, root, tine)
+        plain = segment(photo)
+    except Unmeasurable as error:
+        return error
+    found = _attempt(photo, split_colours(photo, plain), None, *how)
+    whole = with_dim_strands(plain)
+    if isinstance(found, Unmeasurable) and whole is not plain:
+        return _attempt(photo, split_colours(photo, whole), None, *how)
+    return found
+
+
+def _or_raise(found: HelixMeasurement | Unmeasurable) -> HelixMeasurement:
+    if isinstance(found, Unmeasurable):
+        raise found
+    return found
+
+
+def _attempt(photo: Photo, pair: Pair | Segmentation, *how: Any) -> HelixMeasurement | Unmeasurable:
+    """Measure one pair, or say why it cannot be."""
+    try:
+        if isinstance(pair, Segmentation):
+            return _measured(photo, pair, *how)
+        if pair.four:
+            return Unmeasurable(f"{photo.source}: {FOUR_STRANDS}")
+        return _measured(photo, segmentation_of(photo, pair), *how)
+    except Unmeasurable as error:
+        return error
 
 
 def _measured(
@@ -108,8 +191,41 @@ def _measured(
     membership = pair_membership(segmentation, pair, photo)
     others = _others(segmentation, pair)
     r = rough_radius(membership > 0.5)
+    if r < THIN:
+        raise Unmeasurable(
+            f"the strands are {2 * r:.1f} px wide; a link density needs at least {2 * THIN:.0f} px"
+        )
     bar = _bar(others, r) if tine is None else _disc(tine, r, others.shape)
-    start = _first_look(membership, bar, root)
+    plain = find_axis(membership.sum(axis=0), r, root=root)
+    reason, by_edges, axis = None, None, smoothed(plain, 4 * r)
+    try:
+        start = _first_look(membership, plain, bar, r)
+        axis = start.axis
+        by_edges = _by_edges(photo, segmentation, pair, membership, start, bar, tine, scale)
+    except Unmeasurable as error:
+        reason = error
+    counted = count_turns(membership, axis, r)
+    if counted is None:
+        if by_edges is None:
+            raise reason or Unmeasurable(NOTHING_WINDS)
+        return by_edges
+    if by_edges is None or not borne_out(by_edges, counted):
+        place = None if tine is None else nearest(axis, tine)
+        return from_counts(counted, place, _per_pixel(scale))
+    return by_edges
+
+
+def _by_edges(
+    photo: Photo | None,
+    segmentation: Segmentation,
+    pair: tuple[int, int],
+    membership: np.ndarray,
+    start: Start,
+    bar: Mask,
+    tine: tuple[float, ...] | None,
+    scale: float | Scale | None,
+) -> HelixMeasurement:
+    """Measure by a fit to the edges."""
     hidden, tine_s = _tine(start, bar, tine)
     parted = _parted(start) if tine_s is None else None
     # Matrices of a few hundred rows: a second BLAS thread costs five times the time it saves.
@@ -122,12 +238,6 @@ def _measured(
     place = tine_s if parted is None else parted
     found = measurement_of(start, fitted, edges, valid, place, _per_pixel(scale))
     return found if parted is None else replace(found, warnings=(*found.warnings, UNSEEN))
-
-
-def _segmented(picture: Photo | Segmentation) -> tuple[Photo | None, Segmentation]:
-    if isinstance(picture, Photo):
-        return picture, split_colours(picture, segment(picture))
-    return None, picture
 
 
 def _light(photo: Photo | None, segmentation: Segmentation, pair: tuple[int, int]) -> Array | None:
@@ -152,14 +262,8 @@ def _others(segmentation: Segmentation, pair: tuple[int, int]) -> Mask:
     return others if segmentation.blocks is None else others | segmentation.blocks
 
 
-def _first_look(membership: np.ndarray, bar: Mask, root: str) -> Start:
+def _first_look(membership: np.ndarray, axis: Axis, bar: Mask, r: float) -> Start:
     """Axis, radii and half-turns read off without a model."""
-    r = rough_radius(membership > 0.5)
-    if r < THIN:
-        raise Unmeasurable(
-            f"the strands are {2 * r:.1f} px wide; a link density needs at least {2 * THIN:.0f} px"
-        )
-    axis = find_axis(membership.sum(axis=0), r, root=root)
     r, seen, turns = _sides(membership, axis, r)
     R = max(helix_radius(seen, turns), 0.5 * r)
     pitch = 2 * float(np.median(np.diff(turns.s)))
@@ -190,13 +294,18 @@ def _tine(start: Start, bar: Mask, given: tuple[float, ...] | None) -> tuple[Mas
     """Sections a tine hides, and its arclength [px]."""
     s = start.axis.s
     if given is not None:
-        centre = float(s[np.argmin(np.linalg.norm(start.axis.points - given[:2], axis=1))])
+        centre = nearest(start.axis, given)
         reach = given[2] if len(given) > 2 else 2 * start.r
         return np.abs(s - centre) <= reach + 2, centre
     covered = _inner(_covered(bar, start.axis, start.r))
     if not covered.any():
         return np.zeros(len(s), dtype=bool), None
     return np.convolve(covered, np.ones(5), mode="same") > 0, float(np.median(s[covered]))
+
+
+def nearest(axis: Axis, place: tuple[float, ...]) -> float:
+    """Arclength [px] of the point of an axis that is nearest to (x, y)."""
+    return float(axis.s[np.argmin(np.linalg.norm(axis.points - place[:2], axis=1))])
 
 
 def _inner(covered: Mask) -> Mask:

@@ -55,7 +55,7 @@ def helix_sequence(
     tines : sequence, optional
         Where the tine is in each picture, as in `helix`.
     **options
-        Passed on to `helix`: colours, scale, root.
+        Passed on to `helix`: pair, scale, root.
 
     Raises
     ------

@@ -5,13 +5,12 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
+from scipy.spatial import cKDTree
 
 from imaging.errors import Unmeasurable
-from imaging.helix.colours import split_colours
 from imaging.helix.measurement import HelixMeasurement
-from imaging.helix.photograph import helix
+from imaging.helix.photograph import helices
 from imaging.photo import Photo
-from imaging.segment import Segmentation
 from imaging.trace import Strand
 
 TURNS = 4  # crossings in a row with the strands taking turns on top: two turns, not chance
@@ -40,7 +39,7 @@ def _longest_turn(over: list) -> int:
 
 
 def wound(
-    photo: Photo, segmentation: Segmentation, strands: Sequence[Strand], pairs: Sequence[Pair]
+    photo: Photo, strands: Sequence[Strand], pairs: Sequence[Pair]
 ) -> tuple[dict[Pair, HelixMeasurement], list[str]]:
     """Measure the link density of pairs of strands, in pixels.
 
@@ -51,20 +50,24 @@ def wound(
     notes : list of str
         Why the others could not.
     """
+    if not pairs:
+        return {}, []
+    every: list[HelixMeasurement | Unmeasurable]
+    try:
+        every = helices(photo)
+    except Unmeasurable as error:
+        every = [error]
+    measured = [one for one in every if isinstance(one, HelixMeasurement)]
+    reason = next((one for one in every if isinstance(one, Unmeasurable)), None)
     found, notes = {}, []
     for a, b in pairs:
-        try:
-            colours = [segmentation.colours[strands[i - 1].colour] for i in (a, b)]
-            found[a, b] = helix(photo, colours=_indices(photo, segmentation, colours))
-        except Unmeasurable as error:
-            notes.append(f"strands {a} and {b} wind, but their link density is not known: {error}")
+        if measured:
+            found[a, b] = min(measured, key=lambda one: _apart(one, strands[a - 1]))
+        else:
+            notes.append(f"strands {a} and {b} wind, but their link density is not known: {reason}")
     return found, notes
 
 
-def _indices(photo: Photo, segmentation: Segmentation, colours: list[np.ndarray]) -> Pair | None:
-    """Find two colours among those that `helix` tells apart; None where it sees no others."""
-    known = split_colours(photo, segmentation).colours
-    if len(known) <= 2:
-        return None
-    first, second = (int(np.linalg.norm(known - c, axis=1).argmin()) for c in colours)
-    return None if first == second else (first, second)
+def _apart(one: HelixMeasurement, strand: Strand) -> float:
+    """Typical distance [px] of a strand from a pair's axis."""
+    return float(np.median(cKDTree(one.axis).query(strand.line)[0]))

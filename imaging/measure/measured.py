@@ -113,7 +113,7 @@ def measure(
         lines, flat, flat_contacts = _in_plane(strands, table, contacts, scale)
         found = interactions(lines, n_sec, table=flat, contacts=flat_contacts)
         dense = _all_densities(lines, flat, flat_contacts, n_sec, _radius(strands))
-    links, winding = wound(photo, segmentation, strands, winding_pairs(table))
+    links, winding = wound(photo, strands, winding_pairs(table))
     notes = hand.notes() + notes_on(photo, segmentation, strands)
     notes += contact_notes(contacts, found)
     notes += hidden_ends(strands) + doubt_notes(strands) + winding

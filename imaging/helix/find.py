@@ -1,0 +1,272 @@
+"""Where in a photograph two strands of different colours wind round each other: the coarse look.
+
+Strategy: what stands out from the ground in hue (else also in lightness), in a picture of at most
+FINEST pixels, is cut into long bodies. The colours along each are sorted into a few; every two that
+take turns on its midline are tried as the strands of a pair, and `imaging.helix.turning` tells how
+much better they wind than lie still.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import cv2
+import numpy as np
+from scipy.ndimage import gaussian_filter1d, map_coordinates, median_filter
+
+from imaging.errors import Unmeasurable
+from imaging.helix.axis import Axis, find_axis, smoothed
+from imaging.helix.turning import PLACES, WIDE, Turning, turning
+from imaging.photo import Photo
+from imaging.segment import Segmentation
+from imaging.segment.ground import ground_of
+
+Array = np.ndarray
+Mask = np.ndarray
+FINEST = 1600  # px, of the picture looked at
+WEIGHTS = ((0.0, 1.0, 1.0), (1.0, 1.0, 1.0))  # of log lightness and hue: without shadows, with
+CLEAR = 5.0  # times the ground's typical contrast; less is noise
+MOST = 8  # bodies, the largest, that are looked at
+LONG = 5.0  # body widths; a shorter body is no pair
+COLOURS = (3, 4)  # that the pixels of a band are sorted into, the ground's among them
+RATIOS = (1.0, 1.5, 2.3)  # helix radius over strand radius
+SWAPS = 4  # changes of colour on the midline: two turns
+GAIN = 2.5  # log evidence a strand radius; less is chance
+AGREED = 0.85  # of what is seen of the strands, on average where they wind
+AGREED_APART = 0.91  # the same of strands that lie apart, which fit more
+TURNED = 1.5  # turns
+PERHAPS = 1.0  # log evidence a strand radius; less is not even looked at again
+FOUR = 0.14  # of the sections that show three strands; more are no pair's
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two strands that wind round each other, in the coarse picture.
+
+    Attributes
+    ----------
+    labels : (h, w) uint8 array
+        1 where strand a is seen, 2 where strand b is.
+    axis : Axis
+    s : (n,) array
+        Arclength of the sections [px of the coarse picture].
+    turning : Turning
+    half_width : float
+        Of the pair [px].
+    step : float
+        Pixels of the photograph to one of the coarse picture.
+    across : float
+        Share of the sections that show three strands or more side by side.
+    others : (h, w) bool array
+        What else stands out from the ground.
+    """
+
+    labels: np.ndarray
+    axis: Axis
+    s: Array
+    turning: Turning
+    half_width: float
+    step: float
+    across: float
+    others: Mask
+
+    @property
+    def turns(self) -> float:
+        """Turns that the strands make, either way."""
+        return float(np.abs(self.turning.phi[-1] - self.turning.phi[0]) / (2 * np.pi))
+
+    @property
+    def winds(self) -> bool:
+        """Whether this is more than chance."""
+        known = self.turning.winds
+        agreed = AGREED if self.turning.ratio == 1 else AGREED_APART
+        return (
+            self.turns > TURNED
+            and self.turning.gain > GAIN
+            and float(self.turning.agreement[known].mean()) > agreed
+        )
+
+    @property
+    def four(self) -> bool:
+        """Whether this is a pair folded and plied back on itself."""
+        return self.turning.ratio == 1 and self.across > FOUR
+
+
+def find_pairs(photo: Photo) -> tuple[list[Pair], bool]:
+    """Look for pairs of strands that wind round each other, those of the most turns first.
+
+    Returns
+    -------
+    pairs : list of Pair
+    perhaps : bool
+        Whether, where there is none, something else swaps colours along it that may be one.
+    """
+    colours, step, bare = _above_ground(photo)
+    found: list[Pair] = []
+    perhaps = False
+    for weights in WEIGHTS:
+        for body, width in _bodies(colours, np.array(weights, np.float32)):
+            pair = _best_pair(colours, body, width, step)
+            perhaps |= pair is not None and pair.turning.gain > PERHAPS
+            if pair is not None and pair.winds:
+                found.append(pair)
+        if found:
+            break
+    return sorted(found, key=lambda pair: (pair.four, -pair.turns)), perhaps
+
+
+def segmentation_of(photo: Photo, pair: Pair) -> Segmentation:
+    """Return the pair's two strands, a the first colour, and what else stands out."""
+    size = photo.shape[1], photo.shape[0]
+    labels, others = (
+        cv2.resize(part.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
+        for part in (pair.labels, pair.others)
+    )
+    membership = np.stack([(labels == k).astype(np.float32) for k in (1, 2)])
+    colours = np.stack([np.median(photo.eight_bits()[labels == k], axis=0) for k in (1, 2)])
+    return Segmentation(labels, membership, colours, 2 * pair.half_width, blocks=others > 0)
+
+
+def _above_ground(photo: Photo) -> tuple[Array, float, Mask | None]:
+    """Colours (h, w, 3) above the ground's in the coarse picture, its step, what to ignore.
+
+    Log lightness and (a, b)/(L + 16): the latter stay as they are in shadow.
+    """
+    step = max(1.0, max(photo.shape) / FINEST)
+    pixels, bare = photo.pixels, photo.ignore
+    if step > 1:
+        size = (round(photo.shape[1] / step), round(photo.shape[0] / step))
+        pixels = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
+        if bare is not None:
+            bare = cv2.resize(bare.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+    lab = Photo(pixels, photo.source).lab()
+    ground = ground_of(lab, bare)
+    under = ground.rows(slice(0, len(lab)))
+    lab = cv2.GaussianBlur(lab, (0, 0), 0.8)
+    light, below = (np.maximum(part[..., :1], 0) + 16 for part in (lab, under))
+    above = [0.5 * np.log(light / below), lab[..., 1:] / light - under[..., 1:] / below]
+    colours = np.concatenate(above, axis=2)
+    if bare is not None:
+        colours[bare] = 0
+    return colours, step, bare
+
+
+def _bodies(colours: Array, weights: Array) -> Iterator[tuple[Mask, float]]:
+    """Long things that stand out, the largest first, and their widths [px]."""
+    contrast = np.sqrt(((colours * weights) ** 2).sum(axis=2))
+    level = max(CLEAR * float(np.median(contrast)), _between(contrast[::3, ::3]))
+    mask = (cv2.blur(contrast, (3, 3)) > level).astype(np.uint8)
+    mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+    _, blobs, stats, _ = cv2.connectedComponentsWithStats(mask)
+    for number in np.argsort(-stats[1:, cv2.CC_STAT_AREA])[:MOST] + 1:
+        x, y, w, h = stats[number, :4]
+        inside = np.pad(blobs[y : y + h, x : x + w] == number, 1)
+        depth = cv2.distanceTransform(inside.astype(np.uint8), cv2.DIST_L2, 5)
+        width = 2 * float(np.percentile(depth[inside], 95))
+        if np.hypot(w, h) > LONG * width and width > 3:
+            yield blobs == number, width
+
+
+def _between(contrast: Array) -> float:
+    """Level between two classes (Otsu 1979), of the root: most of the picture is ground."""
+    count, edges = np.histogram(np.sqrt(contrast), bins=128)
+    x, share = 0.5 * (edges[1:] + edges[:-1]), count / count.sum()
+    below, mean = np.cumsum(share), np.cumsum(share * x)
+    apart = (mean[-1] * below - mean) ** 2 / np.maximum(below * (1 - below), 1e-9)
+    return float(x[np.argmax(apart)] ** 2)
+
+
+def _best_pair(colours: Array, body: Mask, width: float, step: float) -> Pair | None:
+    """Sort the colours along a body and return the two that wind best, if any do."""
+    try:
+        axis = smoothed(find_axis(body.astype(np.float32), width / 4), width)
+    except Unmeasurable:
+        return None
+    u = np.linspace(-1.1 * width, 1.1 * width, 61)
+    rows = np.unique(np.rint(np.arange(0, axis.s[-1], max(width / 12, 0.7))).astype(int))
+    xy = axis.points[rows, None] + u[:, None] * axis.normals[rows, None]
+    at = [xy[..., 1], xy[..., 0]]
+    band = np.stack([map_coordinates(c, at, order=1, mode="nearest") for c in
+                     np.moveaxis(colours, -1, 0)], axis=-1)  # fmt: skip
+    best: tuple[float, tuple] | None = None
+    for kinds, centres in _sorted_colours(band):
+        ground = int(np.linalg.norm(centres, axis=1).argmin())
+        for two in combinations([k for k in range(len(centres)) if k != ground], 2):
+            tried = _tried(kinds, two, u, axis.s[rows])
+            if tried is not None and (best is None or tried[0] > best[0]):
+                best = (tried[0], (*tried[1:], centres, two, ground))
+    if best is None:
+        return None
+    found, half_width, across, centres, two, _ = best[1]
+    labels = _labelled(colours, body, centres, two)
+    others = np.linalg.norm(colours, axis=2) > 0.5 * np.linalg.norm(centres[[*two]], axis=1).min()
+    return Pair(labels, axis, axis.s[rows], found, half_width, step, across, others & (labels == 0))
+
+
+def _sorted_colours(band: Array) -> Iterator[tuple[np.ndarray, Array]]:
+    """Kinds (n, m) of colour, and their middles, by k-means."""
+    values = np.ascontiguousarray(band.reshape(-1, 3), np.float32)
+    stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 30, 1e-3)
+    for count in COLOURS:
+        cv2.setRNGSeed(1)
+        none = np.empty(0, np.int32)
+        _, kinds, centres = cv2.kmeans(values, count, none, stop, 3, cv2.KMEANS_PP_CENTERS)
+        yield np.asarray(kinds).reshape(band.shape[:2]), np.asarray(centres)
+
+
+def _tried(
+    kinds: np.ndarray, two: tuple[int, int], u: Array, s: Array
+) -> tuple[float, Turning, float, float] | None:
+    """Log evidence that two of the colours wind, how, half width, `Pair.across`; None if not."""
+    spots = np.isin(kinds, two).astype(np.uint8)
+    both = cv2.morphologyEx(spots, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8)) > 0
+    some = both.any(axis=1)
+    if some.sum() < SWAPS:
+        return None
+    first, last = u[np.argmax(both, axis=1)], u[len(u) - 1 - np.argmax(both[:, ::-1], axis=1)]
+    n, per_section = np.arange(len(both)), (s[-1] - s[0]) / (len(s) - 1)
+    middle = np.interp(n, n[some], (0.5 * (first + last))[some])
+    half = max(float(np.percentile(0.5 * (last - first)[some], 70)), 2.0)
+    middle = gaussian_filter1d(median_filter(middle, 5), 2 * half / per_section, mode="nearest")
+    places = middle[:, None] + np.linspace(-WIDE, WIDE, PLACES) * half
+    column = np.rint((places - u[0]) / (u[1] - u[0])).astype(int)
+    seen = np.take_along_axis(kinds, column.clip(0, len(u) - 1), axis=1)
+    if swaps(seen == two[0], seen == two[1]) < SWAPS:
+        return None
+    shown = np.stack([seen == two[0], seen == two[1], ~np.isin(seen, two)], axis=-1)
+    every = [turning(shown, per_section * (1 + ratio) / half, ratio) for ratio in RATIOS]
+    length = s[-1] * (1 + np.array(RATIOS)) / half
+    best = int(np.argmax([found.gain * reach for found, reach in zip(every, length, strict=True)]))
+    return every[best].gain * length[best], every[best], half, _across(shown)
+
+
+def _across(shown: Array) -> float:
+    """Share of sections (n, m, 3) in which three stretches or more of either strand are seen.
+
+    Two strands of one width show two at most: the one behind sticks out on one side.
+    """
+    a, b = (cv2.morphologyEx(shown[..., k].astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3)))
+            for k in (0, 1))  # fmt: skip
+    starts = [(np.diff(strand.astype(int), axis=1, prepend=0) > 0).sum(axis=1) for strand in (a, b)]
+    return float(np.mean(np.sum(starts, axis=0) > 2))
+
+
+def swaps(a: Mask, b: Mask) -> int:
+    """How often the colour changes on the midline of sections (n, m)."""
+    third = slice(a.shape[1] // 3 + 1, -(a.shape[1] // 3) - 1)
+    side = a[:, third].sum(axis=1) - b[:, third].sum(axis=1).astype(int)
+    side = np.sign(median_filter(side, 3))
+    side = side[side != 0]
+    return int(np.count_nonzero(np.diff(side)))
+
+
+def _labelled(colours: Array, body: Mask, centres: Array, two: tuple[int, int]) -> np.ndarray:
+    """Label the pixels in and around a body by the nearest of the colours (0, or 1 and 2)."""
+    around = cv2.dilate(body.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    values = colours[around]
+    apart = [((values - centre) ** 2).sum(axis=1) for centre in centres]
+    labels = np.zeros(body.shape, np.uint8)
+    number = np.zeros(len(centres), np.uint8)
+    number[list(two)] = 1, 2
+    labels[around] = number[np.argmin(apart, axis=0)]
+    return labels
