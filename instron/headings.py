@@ -157,8 +157,9 @@ def _unglued(text: str) -> tuple[str, Unit] | None:
 
 
 def _known_end(head: str, quantity: str) -> bool:
+    """Tell whether the last word of a name is one of the quantity's own."""
     last = plain(head).split()[-1:]
-    return bool(last) and _quantity_of(last[0]) == quantity and len(last[0]) != len(plain(head)) - 1
+    return bool(last) and _quantity_of(last[0]) == quantity
 
 
 def _unread(name: str, unit: Unit | None, below: str, under: Unit | None) -> str:

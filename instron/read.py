@@ -1,7 +1,6 @@
 """Read the export of a testing machine into force logs: exactly, or not at all."""
 
 from collections.abc import Mapping, Sequence
-from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -21,20 +20,19 @@ from instron.checks import (
 )
 from instron.columns import Channel, Specimen, Told
 from instron.errors import NoLog, Unreadable
-from instron.headings import read_heading
 from instron.join import joined
 from instron.layout import (
     DELIMITERS,
-    LONGEST_HEADER,
     Header,
     find_header,
     is_row,
     split_cells,
 )
 from instron.lines import END_MARK, LOST, Ledger, ledger, lost_lines
+from instron.nolog import why_no_log
 from instron.preamble import labels_above, metadata, specimen_label, stated_maxima
 from instron.source import HEAD_BYTES, Source, open_source
-from instron.units import VOLTS, Unit, read_unit
+from instron.units import Unit, read_unit
 from instron.words import QUANTITIES
 from instron.workbook import Sheet, is_workbook, sheets
 
@@ -202,7 +200,7 @@ def _find(source: Source, told: Told, bare: Sequence[str] | None) -> tuple[str, 
             )  # fmt: skip
             if header is not None:
                 return delimiter, header
-    raise NoLog(f"{source.path}: {_why_no_header(source.lines, told)}")
+    raise NoLog(f"{source.path}: {why_no_log(source.lines, told)}")
 
 
 def _told(lines: list[str], delimiter: str, columns: Sequence[str]) -> Header | None:
@@ -215,54 +213,6 @@ def _told(lines: list[str], delimiter: str, columns: Sequence[str]) -> Header | 
             names = [*columns, *[""] * (len(cells) - len(columns))]
             return Header(number - 1, number, len(cells), names, [specimen], [])
     return None
-
-
-def _why_no_header(lines: list[str], told: Told) -> str:
-    """Say which part of a force log the file lacks."""
-    if told.columns:
-        names = ", ".join(f'{q}="{text}"' for q, text in told.columns.items())
-        return f"no heading that agrees with --column {names} over rows of numbers"
-    for number, line in enumerate(lines[:400], start=1):
-        if len(line) > LONGEST_HEADER:
-            continue
-        for delimiter in DELIMITERS[:4]:
-            cells = split_cells(line, delimiter)
-            headings = [read_heading(cell) for cell in cells]
-            found = {heading.quantity for heading in headings} - {None}
-            if len(found) < 2 or len(cells) < 2:
-                continue
-            below = split_cells(lines[number], delimiter) if number < len(lines) else []
-            pairs = list(zip_longest(cells, below, fillvalue=""))
-            if all(_in_volts(cell, unit) for cell, unit in pairs
-                   if read_heading(cell).quantity in ("force", "displacement")):  # fmt: skip
-                return f"line {number}: columns in volts: a voltage logger, not a force log"
-            for cell, unit in pairs:
-                wrong = _wrong_unit(cell, unit)
-                if wrong:
-                    return f"line {number}: {wrong}"
-            if any(heading.role for heading in headings):
-                found = {h.quantity for h in headings if not h.role}
-            missing = [q for q in ("displacement", "force") if q not in found]
-            if missing:
-                return f"line {number}: no {' and no '.join(missing)} column in '{line[:60]}'"
-            return f"line {number}: a header, but no row of numbers follows it"
-    return (
-        "no header that names displacement and force; for a bare table say what its columns are:"
-        " columns=('time', 'displacement', 'force')"
-    )
-
-
-def _in_volts(cell: str, below: str) -> bool:
-    unit = read_heading(cell, below).unit
-    return unit is not None and unit.text.strip("()[] ").casefold() in VOLTS
-
-
-def _wrong_unit(cell: str, below: str) -> str:
-    """Say that a column's unit, in its cell or below, is not of the quantity it names, or ""."""
-    heading = read_heading(cell, below if read_unit(below) else "")
-    if heading.quantity is None or heading.unit is None or heading.fits:
-        return ""
-    return f"'{heading.name}' in '{heading.unit.text.strip('()[]')}' is no {heading.quantity}"
 
 
 def _logs_only(bodies: list[Body]) -> list[Body]:
