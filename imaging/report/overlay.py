@@ -17,7 +17,7 @@ from imaging.trace.centreline import arclength, normals
 SUBPIXEL_BITS = 4
 RING = "#ff00c8"  # a colour strands seldom have
 RING_RADIUS = 1.1  # strand widths
-QUALITY = 90  # of a photograph's JPEG
+QUALITY = 85  # of a photograph's JPEG
 OFF = 0.05  # px by which a line of the SVG may be off
 ASIDE = 1.4  # strand widths from a centreline to the outline of unresolved contact
 
