@@ -19,6 +19,7 @@ COMMANDS = {
     "sweep": "combing.commands.sweep",
     "compare": "combing.commands.compare",
     "claims": "combing.commands.claims",
+    "paper": "combing.commands.paper",
     "accuracy": "combing.commands.accuracy",
     "demo": "combing.commands.demo",
     "virtual-lab": "combing.commands.virtual_lab",
