@@ -91,7 +91,8 @@ def _course(shape: tuple[int, int], rng: Rng) -> Array:
         curve = CubicSpline(v, knots)
         fine = curve(np.linspace(0, 1, int(3 * np.hypot(*chord))))
         first, second = curve(v, 1), curve(v, 2)
-        bend = np.abs(np.cross(first, second)) / np.hypot(*first.T) ** 3
+        turn = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+        bend = np.abs(turn) / np.hypot(*first.T) ** 3
         if bend.max() < 1 / 25 and (fine > 3).all() and (fine < size - 4).all():
             return fine
 

@@ -9,6 +9,9 @@ import numpy as np
 from imaging.photo import bands
 
 GRID = 72  # cells along the shorter side of a picture, of which the background is learned
+UNEVEN = 6.0  # Lab units; ground that lies farther off the smooth surface is uneven
+PATCHY = 0.1  # of the ground; where more is uneven it is learned beside the strands instead
+BESIDE = ((1.2, 1.0), (4.0, 0.03))  # strand widths of a mean, and its say: near by, or farther off
 ROUNDS = 8  # of reweighting
 
 
@@ -127,3 +130,37 @@ def _local_mean(rest: np.ndarray, weight: np.ndarray, sigma: float) -> np.ndarra
     total = cv2.GaussianBlur(weight, (0, 0), sigma)
     mean = cv2.GaussianBlur(rest * weight[..., None], (0, 0), sigma)
     return mean / (total[..., None] + 0.05)
+
+
+def ground_between(lab: np.ndarray, strands: np.ndarray, width: float, smooth: Ground) -> Ground:
+    """Learn the ground under strands from what is seen of it beside them, where it is not smooth.
+
+    Parameters
+    ----------
+    lab : (h, w, 3) array
+    strands : (h, w) bool array
+        Where strands may lie, or where nothing is to be learned.
+    width : float
+        Strand width [px].
+    smooth : Ground
+        Taken where no ground is seen within some widths, and everywhere on a smooth ground.
+    """
+    height, across = strands.shape
+    step = max(1, round(width / 2))
+    size = (max(across // step, 2), max(height // step, 2))
+    seen = cv2.resize((~strands).astype(np.float32), size, interpolation=cv2.INTER_AREA)
+    off = lab - np.concatenate([smooth.rows(band) for band in bands(lab.shape)])
+    off[strands] = 0
+    small = cv2.resize(off, size, interpolation=cv2.INTER_AREA)
+    bare = seen > 0.5
+    uneven = np.linalg.norm(small[bare] / seen[bare, None], axis=-1) > UNEVEN
+    if uneven.mean() < PATCHY:
+        return smooth
+    rest, total = np.zeros(small.shape, np.float32), np.zeros(seen.shape, np.float32)
+    for reach, say in BESIDE:
+        total = total + say * cv2.GaussianBlur(seen, (0, 0), reach * width / step)
+        rest = rest + say * cv2.GaussianBlur(small, (0, 0), reach * width / step)
+    rest /= total[..., None] + 1e-3
+    row = ((np.arange(size[1]) + 0.5) * height / size[1]).astype(int)
+    under = smooth.at((row[:, None] * across + np.arange(across)).ravel())
+    return Ground(under.reshape(size[1], across, 3) + cv2.resize(rest, (across, size[1])), height)

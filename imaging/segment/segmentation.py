@@ -25,8 +25,9 @@ import numpy as np
 from imaging.errors import Unmeasurable
 from imaging.photo import Photo
 from imaging.segment.gloss import without_highlights
-from imaging.segment.ground import Ground, contrast_of, ground_of, in_even_light
+from imaging.segment.ground import Ground, contrast_of, ground_between, ground_of, in_even_light
 from imaging.segment.palette import colour_features, find_colours, unmixed, vote
+from imaging.segment.ridges import find_ridges, near_ridges
 from imaging.segment.ruling import erase_ruling
 from imaging.segment.shadow import erase_shadows
 
@@ -36,6 +37,9 @@ GRAINY = 9.0  # Lab units from the ground, of half the picture; more is smoothed
 GRAIN = 1.0  # px, sd of that
 RASTER = 20.0  # Lab units; no sensor's noise, but dots of black and white
 MIN_CONTRAST = 6.0  # Lab units; about three just-noticeable differences
+LARGER = 4  # px; side of the pixels in which texture is told from noise
+COVERED = 0.3  # of the picture; strands cover less, so that more is ground of another colour
+LEVEL = 0.4  # of the median contrast around ridges; between the ground's and the strands'
 FAINT = 0.25  # of the strands' contrast; fainter is shadow, reflection or texture
 BORDER = 0.5  # change of (L, a, b)/(L + 16), summed, that tells two strands from shading
 DEEPER = 1.25  # times the depth of a single strand; the border of two that touch lies deeper
@@ -73,6 +77,9 @@ class Segmentation:
         Lines printed on the ground that were taken for ground.
     shadow : (h, w) bool array, optional
         What was taken for shadow on the ground.
+    ridge : (h, w) float32 array, optional
+        How far what runs along here stands out from both its sides, in sds of what the ground's
+        texture makes (`imaging.segment.ridges`); None on a ground without texture.
     """
 
     labels: np.ndarray
@@ -84,6 +91,7 @@ class Segmentation:
     coverage: np.ndarray | None = None
     ruling: np.ndarray | None = None
     shadow: np.ndarray | None = None
+    ridge: np.ndarray | None = None
 
 
 def segment(photo: Photo) -> Segmentation:
@@ -106,10 +114,17 @@ def segment(photo: Photo) -> Segmentation:
     ground = ground_of(lab, photo.ignore)
     contrast = contrast_of(lab, ground)
     ruling = erase_ruling(lab, contrast, ground)
-    if GRAINY < float(np.median(contrast[::13, ::11])) < RASTER:
+    near = ridge = None
+    if _hides_strands(lab, ground):
+        ridges = find_ridges(lab, photo.ignore)
+        ridge = ridges.response
+        near, width = near_ridges(ridges)
+        ground = ground_between(lab, near, width, ground)
+        contrast = contrast_of(lab, ground)
+    elif GRAINY < float(np.median(contrast[::13, ::11])) < RASTER:
         lab = cv2.GaussianBlur(lab, (0, 0), GRAIN)  # before the modulus, which adds noise up
         contrast = contrast_of(lab, ground)
-    coverage, width = _coverage(photo.source, contrast, photo.ignore)
+    coverage, width = _coverage(photo.source, contrast, photo.ignore, near)
     labels, colours, width, blocks = _labelled(lab, ground, coverage, width)
     shadow = erase_shadows(labels, colours, lab, contrast, ground, width)
     if shadow is not None:
@@ -120,7 +135,7 @@ def segment(photo: Photo) -> Segmentation:
     membership = _shared_out(coverage, labels, len(colours))
     contrast = in_even_light(lab, ground)
     return Segmentation(
-        labels, membership, colours, width, contrast, blocks, coverage, ruling, shadow
+        labels, membership, colours, width, contrast, blocks, coverage, ruling, shadow, ridge
     )
 
 
@@ -180,7 +195,7 @@ def _pixels(picture: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def _coverage(
-    source: str, contrast: np.ndarray, ignore: np.ndarray | None
+    source: str, contrast: np.ndarray, ignore: np.ndarray | None, near: np.ndarray | None
 ) -> tuple[np.ndarray, float]:
     """How much of each pixel a strand covers (h, w), and the typical strand width [px]."""
     if ignore is not None:
@@ -188,7 +203,11 @@ def _coverage(
     smooth = cv2.blur(contrast, (3, 3))
     noise = float(np.median(smooth[::3, ::3]))  # the blur ties three neighbours together
     threshold = max(NOISE_FACTOR * noise, MIN_CONTRAST)
+    if near is not None and near.any():
+        threshold = max(min(threshold, LEVEL * float(np.median(smooth[near]))), MIN_CONTRAST)
     coarse = smooth > threshold
+    if near is not None:
+        coarse &= near
     if not coarse.any():
         raise Unmeasurable(
             f"{source}: nothing stands out from the background by {threshold:.1f} Lab units; "
@@ -206,6 +225,19 @@ def _coverage(
     whole = np.zeros(contrast.shape, np.float32)
     np.multiply(coverage, keep, out=whole[box])
     return whole, width
+
+
+def _hides_strands(lab: np.ndarray, ground: Ground) -> bool:
+    """Tell a ground whose texture, or patches, would hide strands or be taken for some.
+
+    Looked at in larger pixels, in which a sensor's noise is averaged away.
+    """
+    size = [max(1, side // LARGER) for side in lab.shape[1::-1]]
+    seen = cv2.resize(lab, size, interpolation=cv2.INTER_AREA)
+    under = cv2.resize(ground.coarse, size, interpolation=cv2.INTER_LINEAR)
+    off = np.linalg.norm(seen - under, axis=-1)
+    threshold = NOISE_FACTOR * float(np.median(off))
+    return threshold > MIN_CONTRAST or float((off > MIN_CONTRAST).mean()) > COVERED
 
 
 def _around_all(mask: np.ndarray) -> tuple[slice, slice]:
