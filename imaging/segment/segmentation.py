@@ -37,6 +37,7 @@ GRAINY = 9.0  # Lab units from the ground, of half the picture; more is smoothed
 GRAIN = 1.0  # px, sd of that
 RASTER = 20.0  # Lab units; no sensor's noise, but dots of black and white
 MIN_CONTRAST = 6.0  # Lab units; about three just-noticeable differences
+MEDIAN = 0.6745  # sds of a Gaussian; half of it lies within
 LARGER = 4  # px; side of the pixels in which texture is told from noise
 COVERED = 0.3  # of the picture; strands cover less, so that more is ground of another colour
 LEVEL = 0.4  # of the median contrast around ridges; between the ground's and the strands'
@@ -230,14 +231,23 @@ def _coverage(
 def _hides_strands(lab: np.ndarray, ground: Ground) -> bool:
     """Tell a ground whose texture, or patches, would hide strands or be taken for some.
 
-    Looked at in larger pixels, in which a sensor's noise is averaged away.
+    Looked at in larger pixels, over which a sensor's noise is averaged; what is left of it is
+    known from how single pixels differ from those around them.
     """
     size = [max(1, side // LARGER) for side in lab.shape[1::-1]]
     seen = cv2.resize(lab, size, interpolation=cv2.INTER_AREA)
     under = cv2.resize(ground.coarse, size, interpolation=cv2.INTER_LINEAR)
     off = np.linalg.norm(seen - under, axis=-1)
-    threshold = NOISE_FACTOR * float(np.median(off))
+    texture = max(float(np.median(off)) ** 2 - (_noise(lab) / LARGER) ** 2, 0) ** 0.5
+    threshold = NOISE_FACTOR * texture
     return threshold > MIN_CONTRAST or float((off > MIN_CONTRAST).mean()) > COVERED
+
+
+def _noise(lab: np.ndarray) -> float:
+    """Sd of what differs from pixel to pixel [Lab units], all three channels together."""
+    around = (lab[1:-1, :-2] + lab[1:-1, 2:] + lab[:-2, 1:-1] + lab[2:, 1:-1]) / 4
+    off = np.median(np.abs(lab[1:-1, 1:-1] - around).reshape(-1, 3)[::7], axis=0)
+    return float(np.linalg.norm(off)) / (MEDIAN * 1.25**0.5)  # a mean of four adds a quarter
 
 
 def _around_all(mask: np.ndarray) -> tuple[slice, slice]:
