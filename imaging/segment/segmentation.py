@@ -245,6 +245,8 @@ def _hides_strands(lab: np.ndarray, ground: Ground) -> bool:
 
 def _noise(lab: np.ndarray) -> float:
     """Sd of what differs from pixel to pixel [Lab units], all three channels together."""
+    if min(lab.shape[:2]) < 3:
+        return 0.0
     around = (lab[1:-1, :-2] + lab[1:-1, 2:] + lab[:-2, 1:-1] + lab[2:, 1:-1]) / 4
     off = np.median(np.abs(lab[1:-1, 1:-1] - around).reshape(-1, 3)[::7], axis=0)
     return float(np.linalg.norm(off)) / (MEDIAN * 1.25**0.5)  # a mean of four adds a quarter
