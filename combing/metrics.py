@@ -5,7 +5,7 @@ No single number will do. What each sees and is blind to:
 ============== ======================================= =========================================
 metric         sees                                    blind to
 ============== ======================================= =========================================
-f_max_error    the highest force, with sign            everything else; noise raises f_max
+f_max_error    the highest force, with sign            everything else
 work_error     the area, with sign                     where the work is done; errors that cancel
 nrmse          pointwise differences                   a small shift of sharp peaks looks like a
                                                        missing peak
@@ -132,12 +132,16 @@ def iso18571(reference: np.ndarray, curve: np.ndarray) -> dict[str, float]:
 
 def _values(curve: pd.DataFrame, x: np.ndarray, name: str) -> np.ndarray:
     table = curve[["x", "f"]].dropna()
+    table.attrs = dict(curve.attrs)
     if len(table) < 5 or not np.isfinite(table.to_numpy()).all():
         raise UserError(f"the {name} has {len(table)} usable points; at least 5 are needed")
     return instron.on_grid(table, x)
 
 
 def _peak(curve: pd.DataFrame) -> float:
+    """Return f_max of a scaled curve; of a bare table the highest value."""
+    if "f_max" in curve.attrs:
+        return float(curve.attrs["f_max"])
     inside = curve.loc[(curve["x"] >= 0) & (curve["x"] <= 1), "f"]
     return float(inside.max())
 

@@ -3,28 +3,30 @@
 import numpy as np
 import pandas as pd
 
+from instron.average import FINE, averaged, profile
+
 COLUMNS = ["kind", "x", "f", "d", "F", "prominence", "width", "drop", "release_x"]
 FLAT = 0.15  # a plateau's slope, in units of f_max per D
 
 
 def events(
-    curve: pd.DataFrame, *, prominence: float = 7.0, width: float = 0.005, floor: float = 0.02
+    curve: pd.DataFrame, *, prominence: float = 7.0, width: float = 0.0125, floor: float = 0.02
 ) -> pd.DataFrame:
     """Return the peaks and plateaus of a scaled curve.
 
-    The curve is put on an even grid and smoothed by a Gaussian of standard deviation ``width``
-    in x, so that the answer does not depend on the sampling rate; what the smoothing leaves of
-    the measured noise is the scale by which peaks are judged.
+    Peaks are those of f averaged over the curve's own length, so that the answer does not depend on
+    the sampling rate; the noise that averaging leaves is the scale by which they are judged.
 
     Parameters
     ----------
     curve
         From ``scale``; only x in [0, 1] is searched.
     prominence
-        A peak counts when it stands out this many sd of the noise that is left after smoothing
+        A peak counts when it stands out this many sd of the noise of the averaged force
         (7 keeps the largest of several hundred noise wiggles out) ...
     width
-        Smoothing length in x; narrower peaks are not resolved.
+        Averaging length in x of a curve that does not say its own (columns ``x`` and ``f``,
+        attribute ``f_noise``).
     floor
         ... and at least this fraction of the largest force.
 
@@ -34,15 +36,14 @@ def events(
         One row per event, by x: ``kind`` (``"jam"``: a peak after which the force falls by over
         30 %; ``"peak"``; ``"plateau"``), position ``x``, ``d`` [m], height ``f``, ``F`` [N],
         ``prominence`` (f), ``width`` (x, at half prominence; a plateau's length), ``drop`` (f lost
-        until the next valley) and ``release_x`` (steepest fall). ``attrs``: ``threshold`` (f).
+        until the next valley) and ``release_x`` (steepest fall). ``attrs``: ``threshold`` (f),
+        ``noise_left`` (f), ``smoothing`` (x).
     """
-    from scipy.ndimage import gaussian_filter1d
-
-    x, f = _even(curve)
-    smooth = gaussian_filter1d(f, width / (x[1] - x[0]), mode="nearest")
-    left = _noise_left(curve, width)
-    threshold = max(prominence * left, floor * float(smooth.max()))
-    rows = _peaks(x, smooth, threshold) + _plateaus(x, smooth, width, left)
+    x, f, width, left = _smooth(curve, width)
+    threshold = max(prominence * left, floor * float(f.max()))
+    rows = []
+    if len(x) > 2:
+        rows = _peaks(x, f, threshold) + _plateaus(x, f, width, left)
     table = pd.DataFrame(rows, columns=COLUMNS)
     table["d"] = table["x"] * curve.attrs.get("D", np.nan)
     table["F"] = table["f"] * curve.attrs.get("B", np.nan) / curve.attrs.get("l0", np.nan) ** 2
@@ -51,27 +52,18 @@ def events(
     return table
 
 
-def _even(curve: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
-    """Return the curve on an even grid over [0, 1], each cell the mean of its samples."""
-    x, f = curve["x"].to_numpy(), curve["f"].to_numpy()
-    order = np.argsort(x, kind="stable")
-    x, f = x[order], f[order]
-    inside = (x >= 0) & (x <= 1)
-    count = int(np.clip(inside.sum(), 50, 4000))
-    edges = np.linspace(0, 1, count + 1)
-    cell = np.clip(np.searchsorted(edges, x[inside], side="right") - 1, 0, count - 1)
-    size = np.bincount(cell, minlength=count)
-    total = np.bincount(cell, weights=f[inside], minlength=count)
-    middle = (edges[1:] + edges[:-1]) / 2
-    filled = size > 0
-    return middle, np.interp(middle, middle[filled], total[filled] / size[filled])
-
-
-def _noise_left(curve: pd.DataFrame, width: float) -> float:
-    """Return the sd of the noise after smoothing: a Gaussian averages 2 sqrt(pi) w n samples."""
+def _smooth(curve: pd.DataFrame, width: float) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Return x and averaged f on an even grid, the averaging length in x, and the noise left."""
+    facts = curve.attrs
+    if "average_over" in facts:
+        table = averaged(curve)
+        x, f = table["x"].to_numpy(), table["f"].to_numpy()
+        return x, f, facts["average_over"] / facts["D"], facts["f_noise_averaged"]
+    source = profile(curve["x"].to_numpy(), curve["f"].to_numpy())
+    x = np.linspace(0, 1, int(FINE / width) + 1)
     samples = int(((curve["x"] >= 0) & (curve["x"] <= 1)).sum())
-    averaged = max(1.0, 2 * np.sqrt(np.pi) * width * samples)
-    return float(curve.attrs.get("f_noise", 0.0)) / np.sqrt(averaged)
+    left = float(facts.get("f_noise", 0.0)) / np.sqrt(max(1.0, width * samples))
+    return x, source.mean(x, width), width, left
 
 
 def _peaks(x: np.ndarray, f: np.ndarray, threshold: float) -> list[list]:
@@ -97,17 +89,16 @@ def _peaks(x: np.ndarray, f: np.ndarray, threshold: float) -> list[list]:
 
 
 def _plateaus(x: np.ndarray, f: np.ndarray, width: float, noise: float) -> list[list]:
-    """Return the stretches, at least ten smoothing lengths long, in which a high force is flat."""
-    from scipy.ndimage import gaussian_filter1d
-
-    slope = np.gradient(gaussian_filter1d(f, 2 * width / (x[1] - x[0]), mode="nearest"), x)
+    """Return the stretches, at least four averaging lengths long, in which a high force is flat."""
+    around = np.pad(f, FINE // 2, mode="edge")
+    slope = (around[FINE:] - around[:-FINE]) / width
     high = max(0.2 * float(f.max()), 7 * noise)
     flat = (np.abs(slope) < FLAT * f.max()) & (f > high)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], flat.astype(int), [0]])))
     rows = []
     for start, stop in edges.reshape(-1, 2):
         length = float(x[stop - 1] - x[start])
-        if length >= max(10 * width, 0.05):
+        if length >= max(4 * width, 0.05):
             middle = float(x[start] + length / 2)
             rows.append(["plateau", middle, float(f[start:stop].mean()), np.nan, np.nan,
                          np.nan, length, np.nan, np.nan])  # fmt: skip

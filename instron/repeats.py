@@ -7,9 +7,12 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
+from instron.average import profile
 from instron.errors import Unscalable
 from instron.events import events
 from instron.scale import work
+from instron.strokes import name_of
+from instron.summary import summary
 
 PART = 200  # resamples at a time: 16 MB for eight repeats of 501 points
 
@@ -25,8 +28,7 @@ class Repeats:
     curves
         One row per repeat: f on the grid.
     table
-        One row per repeat: ``specimen``, ``f_max``, ``x_max``, ``w``, ``W`` [J], ``D`` [m],
-        ``peaks`` (number of jams and peaks).
+        One row per repeat: ``specimen`` and what ``summary`` gives of it.
     summary
         Per column of the table: ``mean``, ``sd``, ``low``, ``high`` (Student interval of the mean).
     representative
@@ -37,6 +39,10 @@ class Repeats:
         Why there is no registered mean, or "".
     level
         Confidence level of the band and the intervals.
+    used
+        Which of the curves given these are.
+    left_out
+        Names of curves whose combing did not end: they are no repeats.
     """
 
     grid: pd.DataFrame
@@ -47,6 +53,8 @@ class Repeats:
     registered: pd.DataFrame | None
     unregistered_because: str
     level: float
+    used: list[int]
+    left_out: list[str]
 
 
 def repeats(
@@ -78,10 +86,14 @@ def repeats(
     Raises
     ------
     Unscalable
-        For fewer than two curves.
+        For fewer than two curves whose combing ended.
     """
+    used = [k for k, curve in enumerate(curves) if curve.attrs.get("ended", True)]
+    left_out = [name_of(curve) for curve in curves if not curve.attrs.get("ended", True)]
+    curves = [curves[k] for k in used]
     if len(curves) < 2:
-        raise Unscalable(f"repeats need at least 2 curves, got {len(curves)}")
+        aborted = f" in which combing ended (not in {', '.join(left_out)})" if left_out else ""
+        raise Unscalable(f"repeats need at least 2 curves, got {len(curves)}{aborted}")
     x = np.linspace(0, 1, points)
     values = np.array([on_grid(curve, x) for curve in curves])
     found = [_turning_points(curve) for curve in curves]
@@ -98,21 +110,20 @@ def repeats(
         registered=registered,
         unregistered_because=reason,
         level=level,
+        used=used,
+        left_out=left_out,
     )
 
 
 def on_grid(curve: pd.DataFrame, x: np.ndarray) -> np.ndarray:
-    """Return f at ``x``: the mean of the samples around each point, interpolated where sparse.
+    """Return f at ``x``, averaged over the curve's own length, or a step of the grid if longer.
 
-    Averaging over the grid's own cells makes the result independent of the sampling rate.
+    So the result depends neither on the sampling rate nor on which instrument it was.
     """
-    table = curve[["x", "f"]].groupby("x", as_index=False, sort=True).mean()
-    position, f = table["x"].to_numpy(), table["f"].to_numpy()
-    edges = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2, [x[-1]]])
-    if len(position) < 4 * len(x):
-        return np.interp(x, position, f)
-    area = np.concatenate([[0], np.cumsum(np.diff(position) * (f[1:] + f[:-1]) / 2)])
-    return np.diff(np.interp(edges, position, area)) / np.diff(edges)
+    table = curve[["x", "f"]].dropna()
+    own = curve.attrs.get("average_over", 0.0) / curve.attrs.get("D", 1.0)
+    source = profile(table["x"].to_numpy(), table["f"].to_numpy())
+    return source.mean(np.asarray(x, dtype=float), max(own, float(x[1] - x[0])))
 
 
 def simultaneous_band(
@@ -191,11 +202,13 @@ def _turning_points(curve: pd.DataFrame) -> pd.DataFrame:
 
 
 def _row(curve: pd.DataFrame, found: pd.DataFrame) -> dict[str, object]:
+    name: dict[str, object] = {"specimen": str(curve.attrs.get("specimen", ""))}
+    if "average_over" in curve.attrs:
+        return {**name, **summary(curve)}
     inside = curve[(curve["x"] >= 0) & (curve["x"] <= 1)]
     top = int(np.argmax(inside["f"].to_numpy()))
     W, w = work(curve)
-    return {
-        "specimen": str(curve.attrs.get("specimen", "")),
+    return name | {
         "f_max": float(inside["f"].iloc[top]),
         "x_max": float(inside["x"].iloc[top]),
         "w": w,

@@ -1,25 +1,31 @@
-"""From a force log to the scaled curve f(x): zero, start and end of combing, noise."""
+"""From a force log to the scaled curve f(x): stroke, zero, noise, end of combing, highest force."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
+from instron.average import Profile, profile
+from instron.ends import End, find_end
 from instron.errors import Unscalable
+from instron.noise import Noise, last_digit, of_free_end, quietest
+from instron.peak import Peak, highest
 from instron.rig import Rig
+from instron.strokes import name_of, strokes
+from instron.zero import Zero, find_zero
 
-QUIET = 0.05  # the share of the stroke at its end that is looked at for a quiet force
-FIRST = 0.01  # the share of the rows at its start that count as before combing
 COARSE = 0.01
+TANGENT = 0.2  # of the force where the first rise is steepest: what its tangent's foot may have
+AGREE = 0.02  # relative change of f_max or W by another zero that is worth a warning
 
 
 def scale(log: pd.DataFrame, rig: Rig) -> pd.DataFrame:
     """Return the scaled curve of a force log, measured or simulated.
 
-    The outward stroke is kept (up to the farthest crosshead position). ``d`` is the displacement
-    from the first row, ``F`` the force from its zero, positive where it resists combing;
-    ``x = d/D`` and ``f = l0^2 F/B``, with ``D`` where combing ends: from there on the force stays
-    below ``max(end_fraction * peak, end_sigma * noise)``.
+    The first outward stroke is kept. ``d`` is the displacement from its first row, ``F`` the force
+    from its zero, positive where it resists combing; ``x = d/D`` and ``f = l0^2 F/B``. Highest
+    force, D and noise are those of F averaged over one length along d: the rig's
+    ``average_over``, 3 r by default, or the distance of two rows where that is larger.
 
     Parameters
     ----------
@@ -31,58 +37,33 @@ def scale(log: pd.DataFrame, rig: Rig) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Columns ``x``, ``f``, ``d`` [m], ``F`` [N]. ``attrs``: ``D`` [m], ``D_low``, ``D_high``
-        (threshold doubled and halved), ``B``, ``l0``, ``noise`` (sd of F) [N], ``f_noise``,
-        ``f_relative`` (standard uncertainty of f from r and E), ``f_max``, ``W`` [J], ``w``,
-        ``rules``, ``warnings``, and the log's own.
+        Columns ``x``, ``f``, ``d`` [m], ``F`` [N], by row of the log. ``attrs``: ``average_over``
+        [m]; ``D`` [m] with its 95 % interval ``D_low``, ``D_high``; ``f_max`` (see
+        ``peak.highest``) with ``f_max_low``, ``f_max_high``, and its place ``x_max``; ``noise``,
+        ``noise_averaged`` (sd of a reading and of the averaged force) [N] and ``f_noise``,
+        ``f_noise_averaged``; ``f_relative`` (standard uncertainty of f from r and E); ``W`` [J],
+        ``w``; ``ended`` (whether combing ends within the log); ``B``, ``l0``, ``rules``,
+        ``warnings``, and the log's own.
 
     Raises
     ------
     Unscalable
-        When the crosshead does not move or no force stands out of the noise.
+        When the crosshead does not move, no force stands out of the noise, or the rig asks for a
+        tangent where there is none.
     """
-    d, F, direction = _stroke(log)
-    noise = noise_of(F)
-    zero = _zero(F, noise, rig)
-    F = F - zero.level
-    sign = rig.force_sign or (1 if F.max() >= -F.min() else -1)
-    F = sign * F
-    d = d - rig.compliance * F
-    d = d - (_toe(d, F) if rig.toe == "tangent" else d[0])
-    ends = _ends(d, F, noise, rig, _name(log))
-    f = rig.l0**2 / rig.rigidity * F
-    curve = pd.DataFrame({"x": d / ends.D, "f": f, "d": d, "F": F})
-    curve.attrs = dict(log.attrs) | _facts(curve, rig, noise, ends)
-    curve.attrs["rules"] = {
-        "zero": zero.rule,
-        "zero_force": float(np.mean(zero.level)),
-        "direction": f"{direction}, force x {sign:+d}",
-        "end": f"force stays below {ends.threshold:.3g} N ({ends.rule})",
-        "compliance": rig.compliance,
-        "toe": rig.toe,
-    }
-    curve.attrs["warnings"] = [
-        *log.attrs.get("warnings", []), *zero.warnings, *ends.warnings, *_coarse(F, noise)
-    ]  # fmt: skip
+    every = strokes(log)
+    curve = _scale_stroke(every[0], rig)
+    if len(every) > 1:
+        curve.attrs["warnings"].append(
+            f"the crosshead turns back: the first of {len(every)} outward strokes is taken"
+            " (instron.strokes gives all)"
+        )
     return curve
-
-
-def noise_of(F: np.ndarray) -> float:
-    """Return the standard deviation of white noise on a smooth signal [unit of F].
-
-    From second differences, whose noise has the variance 6 sigma^2, by the median absolute
-    deviation, which a few jumps at releases do not move.
-    """
-    if len(F) < 5:
-        return 0.0
-    second = np.diff(F, n=2)
-    return float(1.4826 * np.median(np.abs(second - np.median(second))) / np.sqrt(6))
 
 
 def work(curve: pd.DataFrame) -> tuple[float, float]:
     """Return ``W = integral F dd`` [J] and ``w = integral f dx``, up to the end of combing."""
-    inside = curve["x"].to_numpy() <= 1
-    part = curve[inside]
+    part = curve[curve["x"] <= 1]
     return _area(part["F"], part["d"]), _area(part["f"], part["x"])
 
 
@@ -93,128 +74,191 @@ def _area(y: pd.Series, x: pd.Series) -> float:
 
 
 @dataclass(frozen=True)
-class _Zero:
-    level: np.ndarray | float
-    rule: str
-    warnings: list[str]
+class _Stroke:
+    """A stroke with its zero taken off, averaged; ``travel`` is the crosshead's, ``d`` the tine's.
+
+    What is averaged is averaged along the crosshead's travel, which grows, whatever gives way.
+    """
+
+    travel: np.ndarray
+    d: np.ndarray
+    F: np.ndarray
+    smooth: np.ndarray
+    profile: Profile
+    length: float
+    step: float
+    zero: Zero
+    noise: Noise
+    end: End
 
 
-@dataclass(frozen=True)
-class _Ends:
-    D: float
-    low: float
-    high: float
-    threshold: float
-    rule: str
-    warnings: list[str]
+def _scale_stroke(log: pd.DataFrame, rig: Rig) -> pd.DataFrame:
+    stroke = _measure(log, rig)
+    end, noise = stroke.end, stroke.noise
+    f = rig.l0**2 / rig.rigidity * stroke.F
+    curve = pd.DataFrame({"x": stroke.d / end.D, "f": f, "d": stroke.d, "F": stroke.F})
+    peak, place = _peak(stroke)
+    curve.attrs = dict(log.attrs) | _facts(curve, rig, stroke, peak, place)
+    curve.attrs["rules"] = {
+        "average": f"over {stroke.length:.4g} m of d",
+        "zero": stroke.zero.rule,
+        "zero_force": float(np.mean(stroke.zero.level)),
+        "direction": f"displacement x {log.attrs['direction']:+d}, {len(log)} of"
+        f" {log.attrs['rows']} rows, force x {stroke.zero.sign:+d}",
+        "end": f"force stays below {end.threshold:.3g} N ({end.rule})",
+        "noise": noise.where,
+        "compliance": rig.compliance,
+        "toe": rig.toe,
+    }
+    curve.attrs["warnings"] = [
+        *log.attrs.get("warnings", []), *stroke.zero.warnings, *end.warnings,
+        *_averaging(stroke, log, rig), *_coarse(stroke), *_apart(log, rig, stroke, curve),
+    ]  # fmt: skip
+    return curve
 
 
-def _name(log: pd.DataFrame) -> str:
-    return str(log.attrs.get("specimen", log.attrs.get("source", "force log")))
+def _measure(log: pd.DataFrame, rig: Rig) -> _Stroke:
+    """Average, find zero, noise and end; again once the rows of the free tine are known."""
+    travel = log["displacement"].to_numpy()
+    raw = log["force"].to_numpy(dtype=float)
+    step = float(np.median(np.diff(np.unique(travel))))
+    length = max(_asked(log, rig), step)
+    source = profile(travel, raw)
+    smooth = source.mean(travel, length)
+    noise, after = quietest(raw, length / step), 0
+    for _ in range(3):
+        zero = find_zero(raw, smooth, noise.averaged, length / step, rig, after)
+        F, averaged = zero.sign * (raw - zero.level), zero.sign * (smooth - zero.level)
+        d = travel - rig.compliance * F
+        d = d - (_toe(d, averaged, log) if rig.toe == "tangent" else d[0])
+        pair = (noise.sd, noise.averaged)
+        end = find_end(d, F, averaged, length, pair, rig, name_of(log))
+        beyond = d > end.D + length
+        free = of_free_end(raw[beyond], length / step) if end.ended else None
+        if free is None or free == noise:
+            break
+        noise, after = free, int(beyond.sum())
+    return _Stroke(travel, d, F, averaged, profile(travel, F), length, step, zero, noise, end)
 
 
-def _stroke(log: pd.DataFrame) -> tuple[np.ndarray, np.ndarray, str]:
-    """Return displacement (growing outward) and force up to the farthest position."""
-    d = log["displacement"].to_numpy(dtype=float)
-    F = log["force"].to_numpy(dtype=float)
-    good = np.isfinite(d) & np.isfinite(F)
-    d, F = d[good], F[good]
-    if len(d) < 5 or np.ptp(d) == 0:
-        raise Unscalable(f"{_name(log)}: the crosshead does not move in {len(d)} rows")
-    outward = 1 if d.max() - d[0] >= d[0] - d.min() else -1
-    d = outward * d
-    last = len(d) - int(np.argmax(d[::-1]))
-    if last < 5:
-        raise Unscalable(f"{_name(log)}: the crosshead only returns; no outward stroke")
-    return d[:last], F[:last], f"displacement x {outward:+d}, {last} of {len(good)} rows"
+def _asked(log: pd.DataFrame, rig: Rig) -> float:
+    """Return the averaging length that rig or log ask for [m]."""
+    own = log.attrs.get("r") if rig.average_over is None and rig.r is None else None
+    return 3 * own if own else rig.averaging_length
 
 
-def _zero(F: np.ndarray, noise: float, rig: Rig) -> _Zero:
-    """Return the force at which the load cell reads nothing, by the rig's rule."""
-    size, first = max(3, int(QUIET * len(F))), max(3, int(FIRST * len(F)))
-    start, free = float(np.median(F[:first])), float(np.median(F[-size:]))
-    if rig.zero == "none":
-        return _Zero(0.0, "none", [])
-    if rig.zero == "start":
-        return _Zero(start, f"start: median of the first {first} rows", [])
-    if rig.zero == "drift":
-        return _Zero(np.linspace(start, free, len(F)), "drift: line from start to free end", [])
-    if rig.zero == "free" or _is_quiet(F[-size:], np.ptp(F), noise):
-        return _Zero(free, f"free: median of the last {size} rows", [])
-    return _Zero(0.0, "none (auto: the end is not quiet)", [
-        "the log does not end at a quiet force, so the file's own zero is kept"
-    ])  # fmt: skip
+def _peak(stroke: _Stroke) -> tuple[Peak, float]:
+    """Return the highest averaged force up to the end of combing, and its place d [m]."""
+    combing = stroke.travel[stroke.d <= stroke.end.D]
+    places = stroke.profile.places(stroke.length, float(combing[-1]))
+    F = stroke.profile.mean(places, stroke.length)
+    top = int(np.argmax(F))
+    noise, zero = stroke.noise, stroke.zero
+    unsure = 0.0
+    if zero.rule.startswith(("free", "drift")):
+        # The median of coloured noise: as that of independent averages over the length.
+        unsure = 1.25 * noise.averaged * (stroke.length / stroke.step / zero.rows) ** 0.5
+    return highest(F, noise.averaged, noise.freedom, unsure), float(
+        np.interp(places[top], stroke.travel, stroke.d)
+    )
 
 
-def _is_quiet(end: np.ndarray, span: float, noise: float) -> bool:
-    """Tell whether the force at the end neither falls nor wanders: the tine is free."""
-    half = len(end) // 2
-    step = abs(float(np.median(end[:half]) - np.median(end[half:])))
-    return step <= max(0.01 * span, 3 * noise) and np.ptp(end) <= max(0.05 * span, 12 * noise)
+def _toe(d: np.ndarray, smooth: np.ndarray, log: pd.DataFrame) -> float:
+    """Return where the steepest tangent of the first rise meets zero force.
 
-
-def _toe(d: np.ndarray, F: np.ndarray) -> float:
-    """Return where the steepest tangent of the first rise meets zero force."""
-    rise = slice(0, max(3, int(np.argmax(F)) + 1))
-    slope = np.gradient(F[rise], d[rise], edge_order=1)
+    Raises
+    ------
+    Unscalable
+        Where the force has already risen there: the tangent is that of a jam.
+    """
+    rise = slice(0, max(3, int(np.argmax(smooth)) + 1))
+    slope = np.gradient(smooth[rise], d[rise], edge_order=1)
     steepest = int(np.nanargmax(np.where(np.isfinite(slope), slope, -np.inf)))
-    return float(d[rise][steepest] - F[rise][steepest] / slope[steepest])
+    foot = float(d[steepest] - smooth[steepest] / slope[steepest])
+    there = float(np.interp(foot, d, smooth))
+    if there > TANGENT * smooth[steepest]:
+        raise Unscalable(
+            f"{name_of(log)}: toe = 'tangent': the steepest rise, at {d[steepest]:.4g} m, is that"
+            f" of a jam (where its tangent meets zero, at {foot:.4g} m, the force is {there:.3g} N"
+            " already); use toe = 'none'"
+        )
+    return foot
 
 
-def _ends(d: np.ndarray, F: np.ndarray, noise: float, rig: Rig, name: str) -> _Ends:
-    """Return the end of combing by the threshold rule, and how it moves with the threshold."""
-    peak = float(F.max())
-    if peak <= 0 or peak < rig.end_sigma * noise:
-        raise Unscalable(f"{name}: the peak force {peak:.3g} N does not stand out of the noise")
-    by_noise = rig.end_sigma * noise > rig.end_fraction * peak
-    rule = f"{rig.end_sigma:g} x noise" if by_noise else f"{rig.end_fraction:.0%} of the peak"
-    threshold = max(rig.end_sigma * noise, rig.end_fraction * peak)
-    # Half the threshold, but not so low that noise itself crosses it.
-    lower = max(0.5 * threshold, min(4.0, rig.end_sigma) * noise)
-    D, low, high = (_last_above(d, F, level) for level in (threshold, 2 * threshold, lower))
-    if D <= 0:
-        raise Unscalable(f"{name}: the force is above {threshold:.3g} N only at the start")
-    notes = []
-    if F[-1] > threshold:
-        notes.append("the log stops before combing ends: D is the last displacement")
-    elif high - low > 0.05 * D:
-        notes.append(f"D depends on the threshold: {low:.4g} to {high:.4g} m")
-    return _Ends(D, low, high, threshold, rule, notes)
-
-
-def _last_above(d: np.ndarray, F: np.ndarray, threshold: float) -> float:
-    """Return the displacement at which F last falls through the threshold, interpolated."""
-    above = np.flatnonzero(threshold < F)
-    if not len(above):
-        return 0.0
-    i = above[-1]
-    if i + 1 == len(F):
-        return float(d[i])
-    return float(d[i] + (d[i + 1] - d[i]) * (F[i] - threshold) / (F[i] - F[i + 1]))
-
-
-def _facts(curve: pd.DataFrame, rig: Rig, noise: float, ends: _Ends) -> dict[str, float]:
+def _facts(
+    curve: pd.DataFrame, rig: Rig, stroke: _Stroke, peak: Peak, place: float
+) -> dict[str, object]:
     per_newton = rig.l0**2 / rig.rigidity
     W, w = work(curve)
+    end, noise = stroke.end, stroke.noise
     return {
-        "D": ends.D,
-        "D_low": ends.low,
-        "D_high": ends.high,
+        "average_over": stroke.length,
+        "D": end.D,
+        "D_low": end.low,
+        "D_high": end.high,
+        "ended": end.ended,
         "B": rig.rigidity,
         "l0": rig.l0,
-        "noise": noise,
-        "f_noise": per_newton * noise,
+        "noise": noise.sd,
+        "noise_averaged": noise.averaged,
+        "f_noise": per_newton * noise.sd,
+        "f_noise_averaged": per_newton * noise.averaged,
         "f_relative": rig.relative_uncertainty,
-        "f_max": float(curve["f"].max()),
+        "f_max": per_newton * peak.F,
+        "f_max_low": per_newton * peak.low,
+        "f_max_high": per_newton * peak.high,
+        "x_max": place / end.D,
         "W": W,
         "w": w,
     }
 
 
-def _coarse(F: np.ndarray, noise: float) -> list[str]:
+def _averaging(stroke: _Stroke, log: pd.DataFrame, rig: Rig) -> list[str]:
+    """Say so where the averaging length is not the one that was asked for, or nobody asked."""
+    asked = _asked(log, rig)
+    if stroke.length > asked:
+        return [f"a row every {stroke.step:.3g} m is coarser than the averaging length"
+                f" {asked:.3g} m: F is averaged over {stroke.length:.3g} m"]  # fmt: skip
+    if rig.average_over is None and rig.r is None and "r" not in log.attrs:
+        return [f"the rig gives neither r nor average_over: F is averaged over {asked:.4g} m"]
+    return []
+
+
+def _apart(log: pd.DataFrame, rig: Rig, stroke: _Stroke, curve: pd.DataFrame) -> list[str]:
+    """Say what another zero would give where start and end of the log disagree."""
+    zero = stroke.zero
+    if not zero.suspect or rig.zero not in ("auto", "free", "drift") or not stroke.end.ended:
+        return []
+    drift = zero.rule.startswith("drift")
+    other = rig.model_copy(update={"zero": "free" if drift else "drift"})
+    found = _scale_stroke_quietly(log, other)
+    if found is None:
+        return []
+    changes = [found[key] / curve.attrs[key] - 1 for key in ("f_max", "W")]
+    if max(map(abs, changes)) < AGREE:
+        return []
+    sd = abs(zero.free - zero.start) / max(stroke.noise.averaged, 1e-300)
+    what = "a drift, taken off as a line" if drift else "the start is no zero, or the cell drifts"
+    return [
+        f"start and end differ by {zero.free - zero.start:.3g} N ({min(sd, 9999):.0f} sd): {what};"
+        f" zero = '{other.zero}' would give f_max {changes[0]:+.0%} and W {changes[1]:+.0%}"
+    ]
+
+
+def _scale_stroke_quietly(log: pd.DataFrame, rig: Rig) -> dict[str, float] | None:
+    """Return f_max and W with another rig, None where that does not work out."""
+    try:
+        stroke = _measure(log, rig)
+    except Unscalable:
+        return None
+    inside = stroke.d <= stroke.end.D
+    W = _area(pd.Series(stroke.F[inside]), pd.Series(stroke.d[inside]))
+    return {"f_max": rig.l0**2 / rig.rigidity * _peak(stroke)[0].F, "W": W}
+
+
+def _coarse(stroke: _Stroke) -> list[str]:
     """Warn when the file's last digit is coarser than 1 % of the peak."""
-    steps = np.diff(np.unique(np.round(F, 12)))
-    digit = float(steps.min()) if len(steps) else 0.0
-    if digit > COARSE * F.max():
+    digit = last_digit(stroke.F)
+    if digit > COARSE * stroke.smooth.max():
         return [f"the last digit of the force, {digit:.3g} N, is over 1 % of the peak"]
     return []

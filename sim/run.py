@@ -18,6 +18,8 @@ from sim.scene import Scene
 if TYPE_CHECKING:
     import xarray
 
+COMBING = 0.01  # of the work: contacts that do less are no combing
+
 
 class Run:
     """What a simulation recorded.
@@ -78,6 +80,29 @@ class Run:
             "r": self.scene.rods[0].radius,
         }
         return log
+
+    def contact_lost(self) -> float:
+        """Return where the tine lost the strands [m]: its travel at the end of the last contact.
+
+        In a sampling window whose force is zero nothing touched the tine. A contact, from one such
+        window to the next, that does less than COMBING of the work is a freed strand that flaps.
+        NaN where the tine still combs at the end of the run.
+
+        Raises
+        ------
+        SceneError
+            The scene has no tine.
+        """
+        log = self.force_log()
+        d, force = log["displacement"].to_numpy(), log["force"].to_numpy()
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], force != 0, [False]])))
+        work = np.gradient(d) * force
+        done = [float(work[a:b].sum()) for a, b in edges.reshape(-1, 2)]
+        combing = [end for end, one in zip(edges[1::2], done, strict=True)
+                   if one > COMBING * sum(done)]  # fmt: skip
+        if not combing or combing[-1] == len(d):
+            return np.nan
+        return float(d[combing[-1] - 1] + d[combing[-1]]) / 2
 
     def save(self, path: str | Path) -> None:
         """Write the run as NetCDF; the file appears whole or not at all."""

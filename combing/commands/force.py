@@ -230,7 +230,8 @@ def _theory(
 
 
 def _combine(curves: list[pd.DataFrame]) -> instron.Repeats | None:
-    return instron.repeats(curves) if len(curves) > 1 else None
+    """Combine the repeats that combed to the end, if there are two."""
+    return instron.repeats(curves) if sum(c.attrs["ended"] for c in curves) > 1 else None
 
 
 def _warn(curves: list[pd.DataFrame]) -> None:
@@ -242,37 +243,64 @@ def _warn(curves: list[pd.DataFrame]) -> None:
 def _summary_text(
     curves: list[pd.DataFrame], result: instron.Repeats | None, output: Path | None
 ) -> str:
-    table = _per_repeat(curves, result)
-    text = table.to_string(index=False, float_format=lambda v: f"{v:.5g}")
-    noise, relative = max(c.attrs["f_noise"] for c in curves), curves[0].attrs["f_relative"]
-    stated = f"{relative:.2%} from r and E" if relative else "that of r and E is not stated"
-    text += f"\nstandard uncertainty of f: {noise:.2g} from noise, {stated}"
+    shown = ["specimen", "f_max", "D", "w", "W", "mid_force", "end_peak", "peaks", "largest_event"]
+    table = _per_repeat(curves)
+    text = table[shown].to_string(index=False, float_format=lambda v: f"{v:.5g}")
+    text += f"\nF averaged over {_lengths(curves)} of d; d in m, W in J, forces in N\n"
+    text += "\n".join(map(_uncertainty, curves))
     if result is not None:
-        text += "\n\nover the repeats (interval of the mean at 95 %)\n"
+        text += f"\n\nover {len(result.used)} repeats (interval of the mean at 95 %)\n"
         text += result.summary.to_string(float_format=lambda v: f"{v:.5g}")
-        if len(curves) < FEWEST:
+        if len(result.used) < FEWEST:
             text += f"\nfewer than {FEWEST} repeats: the band of mean.csv covers less than it says"
         if result.registered is None:
             text += f"\nno registered mean: {result.unregistered_because}"
+    left_out = [_name(c) for c in curves if not c.attrs["ended"]]
+    if left_out and len(curves) > 1:
+        text += f"\ncombing did not end in {', '.join(left_out)}: in no mean"
     return text + (f"\nwritten to {output}" if output else "")
 
 
-def _per_repeat(curves: list[pd.DataFrame], result: instron.Repeats | None) -> pd.DataFrame:
-    if result is not None:
-        return result.table
-    facts = curves[0].attrs
-    keys = ["specimen", "f_max", "w", "W", "D"]
-    return pd.DataFrame([{key: facts.get(key) for key in keys}])
+def _lengths(curves: list[pd.DataFrame]) -> str:
+    low, high = (pick(c.attrs["average_over"] for c in curves) for pick in (min, max))
+    return f"{low:.3g} m" if high - low < 1e-3 * low else f"{low:.3g} to {high:.3g} m"
+
+
+def _uncertainty(curve: pd.DataFrame) -> str:
+    """Return the intervals of one curve as a line."""
+    a = curve.attrs
+    relative = a["f_relative"]
+    rig = "not stated (u_r, u_E)" if relative != relative else f"{relative:.2%}"
+    peak = f"f_max {a['f_max_low']:.5g} to {a['f_max_high']:.5g}"
+    end = f"D {a['D_low']:.5g} to {a['D_high']:.5g} m" if a["ended"] else "combing did not end"
+    return (
+        f"{_name(curve)}: {peak}, {end} by noise (95 %);"
+        f" standard uncertainty of f by r and E: {rig}"
+    )
+
+
+def _name(curve: pd.DataFrame) -> str:
+    return str(curve.attrs.get("specimen", ""))
+
+
+def _per_repeat(curves: list[pd.DataFrame]) -> pd.DataFrame:
+    """Return one row for every curve, those that did not comb to the end included."""
+    return pd.DataFrame(
+        [{"specimen": _name(c)} | instron.summary(c) | {"ended": c.attrs["ended"]} for c in curves]
+    )
 
 
 def _as_json(curves: list[pd.DataFrame], result: instron.Repeats | None) -> str:
-    keys = ("source", "specimen", "D", "D_low", "D_high", "B", "noise", "f_noise", "f_relative",
-            "f_max", "w", "W", "rules", "warnings")  # fmt: skip
-    found: dict[str, Any] = {"curves": [{k: c.attrs.get(k) for k in keys} for c in curves]}
+    keys = ("source", "specimen", "ended", "average_over", "B", "noise", "noise_averaged",
+            "f_noise", "f_noise_averaged", "f_relative", "rules", "warnings")  # fmt: skip
+    found: dict[str, Any] = {
+        "curves": [{k: c.attrs.get(k) for k in keys} | instron.summary(c) for c in curves]
+    }
     if result is not None:
         found["repeats"] = result.table.to_dict("records")
         found["summary"] = result.summary.to_dict("index")
-        found["representative"] = result.representative
+        found["representative"] = result.used[result.representative]
+        found["left_out"] = result.left_out
         found["unregistered_because"] = result.unregistered_because
     return json.dumps(_plain(found), indent=1)
 
@@ -330,7 +358,7 @@ def _write_tables(
 ) -> None:
     _tidy(curves).to_csv(room / "curves.csv", index=False)
     _tidy([_tagged(instron.events(c), c) for c in curves]).to_csv(room / "events.csv", index=False)
-    table = _per_repeat(curves, result).copy()
+    table = _per_repeat(curves)
     table.insert(1, "file", list(map(_file, curves)))
     table.to_csv(room / "repeats.csv", index=False)
     if result is not None:
@@ -376,11 +404,11 @@ def draw(
     figure = Figure(figsize=(4.2, 3.2), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots()
-    shown = curves[result.representative if result else 0]
+    shown = curves[result.used[result.representative] if result else 0]
     if result is not None:
         grid = result.grid
         axes.fill_between(grid["x"], grid["mean"] - grid["sd"], grid["mean"] + grid["sd"],
-                          color="0.8", lw=0, label=f"mean ± sd of {len(curves)}")  # fmt: skip
+                          color="0.8", lw=0, label=f"mean ± sd of {len(result.used)}")  # fmt: skip
         axes.plot(grid["x"], grid["mean"], color="0.55", lw=1)
     inside = shown[(shown["x"] >= 0) & (shown["x"] <= 1.02)]
     axes.plot(inside["x"], inside["f"], color="k", lw=0.8, label=shown.attrs.get("specimen"))
@@ -396,7 +424,7 @@ def draw(
 def _write_section(room: Path, curves: list[pd.DataFrame], result: instron.Repeats | None) -> None:
     """Write a section for a report: figure inline, tables, and every warning."""
     svg = (room / "force.svg").read_text(encoding="utf-8")
-    table = _per_repeat(curves, result).to_html(index=False, float_format="{:.5g}".format, border=0)
+    table = _per_repeat(curves).to_html(index=False, float_format="{:.5g}".format, border=0)
     summary = result.summary.to_html(float_format="{:.5g}".format, border=0) if result else ""
     notes = [
         f"{c.attrs.get('specimen', '')}: {note}" for c in curves for note in c.attrs["warnings"]

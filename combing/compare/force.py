@@ -15,6 +15,7 @@ from combing.study import ForceSet
 from combing.tables import read_table
 
 GRID = np.linspace(0, 1, 501)
+AGREE = 0.01  # relative: what D and the loss of contact may differ by in silence
 ROOM = 1.3  # Love's curve is followed to this multiple of the largest measured force
 
 
@@ -60,6 +61,7 @@ def compare_force(
         numbers.append(_facts(chosen.name, "simulation", simulated))
         notes += [f"{chosen.name}, simulation: {said}" for said in simulated.attrs["warnings"]]
         apart = _distances(chosen.name, curves, simulated)
+        notes += [f"{chosen.name}, simulation: {one}" for one in simulated.attrs["warnings"]]
     theory, remark = _theory(chosen, rig, curves)
     return Comparison(
         plotted=pd.concat([*parts, *theory], ignore_index=True),
@@ -79,21 +81,38 @@ def scale_run(run: sim.Run, rig: instron.Rig) -> pd.DataFrame:
     own = rig.model_copy(
         update={"r": log.attrs["r"], "E": log.attrs["E"], "B": None, "zero": "none"}
     )
-    return instron.scale(log, own)
+    curve = instron.scale(log, own)
+    curve.attrs["contact_lost"] = run.contact_lost()
+    curve.attrs["warnings"] += _contact(curve)
+    return curve
+
+
+def _contact(curve: pd.DataFrame) -> list[str]:
+    """Say so where the end that the force shows is not where the tine lost the strands."""
+    D, lost = curve.attrs["D"], curve.attrs["contact_lost"]
+    if curve.attrs["ended"] and abs(D - lost) <= AGREE * lost:
+        return []
+    if np.isnan(lost):
+        return ["the tine still combs at the end of the run"] if curve.attrs["ended"] else []
+    return [f"by its force combing ends at {D:.4g} m, the tine loses the strands at {lost:.4g} m"]
 
 
 def _experiment(name: str, curves: list[pd.DataFrame]) -> tuple[pd.DataFrame, list[dict]]:
-    if len(curves) == 1:
-        f = instron.on_grid(curves[0], GRID)
-        nothing = np.full_like(f, np.nan)
-        mean, representative = (f, nothing), f
-        table = [_facts(name, "experiment", curves[0])]
+    """Return what is drawn of the repeats and a row of numbers for each.
+
+    A repeat that was aborted has a row that says so; it is drawn only where there is no other.
+    """
+    ended = [curve for curve in curves if curve.attrs["ended"]] or curves[:1]
+    if len(ended) == 1:
+        f = instron.on_grid(ended[0], GRID)
+        mean, representative = (f, np.full_like(f, np.nan)), f
     else:
-        found = instron.repeats(curves)
+        found = instron.repeats(ended)
         mean = (found.grid["mean"].to_numpy(), found.grid["sd"].to_numpy())
         representative = found.curves[found.representative]
-        table = [_facts(name, f"experiment, {_label(curve)}", curve) for curve in curves]
-        table.append(_average(name, table))
+    table = [_facts(name, f"experiment, {_label(curve)}", curve) for curve in curves]
+    if len(ended) > 1:
+        table.append(_average(name, [_facts(name, "", curve) for curve in ended]))
     rows = [
         _rows(name, "experiment", "mean", GRID, *mean),
         _rows(name, "experiment", "representative", GRID, representative),
@@ -112,19 +131,19 @@ def _rows(
 
 
 def _label(curve: pd.DataFrame) -> str:
-    return Path(str(curve.attrs.get("source", "log"))).stem
+    name = Path(str(curve.attrs.get("source", "log"))).stem
+    return name if curve.attrs["ended"] else f"{name} (did not end)"
 
 
 def _facts(name: str, what: str, curve: pd.DataFrame) -> dict:
     keys = {"f_max": "f_max", "w": "w", "D (m)": "D", "sd of F (N)": "noise"}
-    inside = curve[curve["x"] <= 1]
-    events = instron.events(curve)
+    found = instron.summary(curve)
     return {
         "set": name,
         "curve": what,
         **{shown: float(curve.attrs[key]) for shown, key in keys.items()},
-        "x of f_max": float(inside["x"].to_numpy()[inside["f"].argmax()]),
-        "jams and peaks": int((events["kind"] != "plateau").sum()),
+        "x of f_max": found["x_max"],
+        "jams and peaks": found["peaks"],
     }
 
 
@@ -177,7 +196,7 @@ def _errors(chosen: ForceSet, curves: list[pd.DataFrame], rig: instron.Rig) -> p
     exact = rig.model_copy(update={"zero": "none"})
     rows = []
     for curve in curves:
-        label = _label(curve)
+        label = Path(str(curve.attrs["source"])).stem
         log = truth[truth["log"] == label]
         if log.empty:
             raise UserError(f"{chosen.truth}: holds no rows with log = {label}")

@@ -8,7 +8,7 @@ import instron
 import sim
 from combing.compare.comparison import joined
 from combing.compare.curl import compare_curl, count_interactions, project_curl
-from combing.compare.force import compare_force, measure_force
+from combing.compare.force import compare_force, measure_force, scale_run
 from combing.compare.link import (
     averaged,
     compare_link,
@@ -114,6 +114,36 @@ def test_an_experiment_that_is_the_simulation_agrees_with_it(force_set, run):
     assert found.synthetic
     sources = found.plotted.groupby("source")["curve"].unique()
     assert set(sources["theory"]) == {"free", "blocked"}
+
+
+def test_the_run_lost_contact_where_its_force_ends(run):
+    curve = scale_run(run, instron.Rig(B=1.0))
+    assert curve.attrs["D"] == pytest.approx(curve.attrs["contact_lost"], rel=0.01)
+    assert not any("loses the strands" in note for note in curve.attrs["warnings"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("parameters", [{"pi1": p} for p in (14, 18, 24, 36, 48)]
+                         + [{"pi2": 2.0}, {"pi1": 24, "pi3": 4.0}, {"friction": 0.2}])  # fmt: skip
+def test_contact_and_force_agree_on_the_presets(parameters):
+    curve = scale_run(sim.simulate(sim.double_helix(**parameters)), instron.Rig(B=1.0))
+    assert curve.attrs["D"] == pytest.approx(curve.attrs["contact_lost"], rel=0.01)
+
+
+def test_contact_that_says_otherwise_is_reported(run):
+    late = run.data.copy(deep=True)
+    force = late["force"].to_numpy()
+    force[np.flatnonzero(force)[-1] - 3 : -50] = 1e-3 * force.max()  # weak, but never gone
+    late["force"] = ("sample", force)
+    curve = scale_run(sim.Run(late), instron.Rig(B=1.0))
+    assert any("loses the strands" in note for note in curve.attrs["warnings"])
+
+
+def test_a_run_that_stops_early_has_no_end(run):
+    early = run.data.isel(sample=slice(0, 400))
+    curve = scale_run(sim.Run(early), instron.Rig(B=1.0))
+    assert not curve.attrs["ended"]
+    assert np.isnan(curve.attrs["contact_lost"])
 
 
 def test_force_errors_against_truth_are_those_of_the_noise(force_set, run):

@@ -19,6 +19,11 @@ def test_rigidity_of_a_round_filament(tmp_path):
     assert rig.relative_uncertainty == pytest.approx(0.05)
 
 
+def test_an_uncertainty_that_nobody_stated_is_not_zero():
+    assert math.isnan(Rig(r=1e-4, E=1e9).relative_uncertainty)
+    assert Rig(r=1e-4, E=1e9, u_E=0.02).relative_uncertainty == 0.02
+
+
 def test_twisting_rigidity_of_an_incompressible_wire_is_two_thirds():
     assert Rig(B=3.0).twisting == pytest.approx(2.0)
 
@@ -34,6 +39,12 @@ def test_twisting_rigidity_of_an_incompressible_wire_is_two_thirds():
         ("B = nan", "B = nan"),
         ("B = 1e-3\nzero = 'sometimes'", "zero = 'sometimes'"),
         ("B = ", "not valid TOML"),
+        ("r = 0.425\nE = 2.8e9", "r = 0.425 m is out of range .*: is it in mm"),
+        ("r = 0.037\nE = 4e9", "r = 0.037 m is out of range .*: is it in mm"),
+        ("r = 4.25e-4\nE = 2.8", "E = 2.8 Pa is out of range .*: is it in GPa"),
+        ("r = 4.25e-4\nE = 2800", "E = 2800 Pa is out of range .*: is it in GPa or MPa"),
+        ("B = 1e-4\npitch = 7.65", "pitch = 7.65 m is out of range"),
+        ("B = 1e-4\naverage_over = 1.3", "average_over = 1.3 m is out of range"),
     ],
 )
 def test_wrong_rigs_are_refused_in_one_line(text, reason, tmp_path):

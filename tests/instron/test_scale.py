@@ -23,10 +23,12 @@ def exact_D(rig=RIG):
 
 def test_scaling_is_the_papers():
     curve = scale(combing(), RIG)
-    assert curve.attrs["D"] == pytest.approx(exact_D(), rel=1e-5)
+    assert curve.attrs["D"] == pytest.approx(exact_D(), rel=1e-4)
     np.testing.assert_allclose(curve["x"], curve["d"] / curve.attrs["D"])
     np.testing.assert_allclose(curve["f"], 0.01**2 * curve["F"] / 1e-4)
-    assert curve.attrs["f_max"] == pytest.approx(TOP, rel=1e-6)
+    # Averaged over a length, the top of a parabola loses (length / D)^2 / 3.
+    lost = (RIG.averaging_length / D) ** 2 / 3
+    assert curve.attrs["f_max"] == pytest.approx(TOP * (1 - lost), rel=1e-5)
 
 
 def test_work_of_a_parabola():

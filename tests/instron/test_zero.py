@@ -1,0 +1,53 @@
+"""Zero, sign and drift of a load cell."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from instron import Rig, Unscalable, scale
+from instron.virtual import combing, hump, jams, plateau, teeth
+
+RIG = Rig(r=4.25e-4, E=2.8e9)
+
+
+def drifted(shape, by, rows=3000):
+    log = combing(shape, rows, sd=0.002, rng=3)
+    return log.assign(force=lambda t: t["force"] + by * np.linspace(0, 1, rows))
+
+
+@pytest.mark.parametrize("shape", [hump, jams, teeth, plateau])
+@pytest.mark.parametrize("by", [0.12, -0.08])
+def test_a_drift_is_taken_off_and_said_with_its_consequence(shape, by):
+    true, found = (scale(drifted(shape, b), RIG).attrs for b in (0.0, by))
+    for key in ("D", "f_max", "W"):
+        assert found[key] == pytest.approx(true[key], rel=0.02)
+    note = next(note for note in found["warnings"] if "start and end differ" in note)
+    assert "a drift" in note
+    assert "f_max" in note
+    assert "W" in note
+
+
+def test_a_preload_is_no_drift():
+    """A start that bears load and a flat free end: the end is the zero, and that is said."""
+    log = combing(plateau, 3000, sd=0.002, rng=0)
+    log.loc[:400, "force"] += np.linspace(0.1, 0, 401)
+    found = scale(log, RIG).attrs
+    assert found["rules"]["zero"].startswith("free")
+    assert any("zero = 'drift' would give" in note for note in found["warnings"])
+
+
+def test_a_steady_cell_is_not_accused():
+    for shape in (hump, jams, teeth, plateau):
+        for seed in range(5):
+            assert scale(combing(shape, 3000, sd=0.005, rng=seed), RIG).attrs["warnings"] == []
+
+
+def test_the_toe_of_a_slack_start_is_found_and_that_of_a_jam_refused():
+    d = np.linspace(0, 0.1, 5001)
+    rise = np.where(d < 0.02, 0, 50 * (d - 0.02)) * (d < 0.08)
+    log = pd.DataFrame({"displacement": d, "force": rise})
+    assert scale(log, Rig(B=1e-4, toe="tangent")).attrs["D"] == pytest.approx(0.06, abs=2e-4)
+    jam = np.where(d < 0.02, 0, 5 * (d - 0.02)) * (d < 0.08) + np.exp(-(((d - 0.05) / 1e-3) ** 2))
+    log = pd.DataFrame({"displacement": d, "force": jam})
+    with pytest.raises(Unscalable, match="is that of a jam"):
+        scale(log, Rig(B=1e-4, toe="tangent"))
