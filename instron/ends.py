@@ -146,23 +146,25 @@ def _fall(
 ) -> tuple[float, float, float]:
     """Return where the force falls through ``level`` near ``last``, with a 95 % interval [m].
 
-    Least squares of F = h + s (e - d) before a place e and 0 after it, e tried everywhere, with
-    h = 0 unless a step down is needed. The interval holds what all places within chi-squared of the
-    best one give; coloured noise counts by how much more of it averaging leaves than of white.
+    Least squares of s (e - d) before a place e and 0 after it, e tried everywhere, and where the
+    data ask for it with a bend, s (e - d) + q (e - d)^2, or a step, h + s (e - d). The interval
+    holds what all places within chi-squared of the best one give; coloured noise counts by how
+    much more of it averaging leaves than of white.
     """
     d, F = _around(d, F, last, length)
     if len(d) < 5:
         return last, last - length / 2, last + length / 2
-    ramps, steps = _ramps_and_steps(d, F, level)
+    ramps, curves, steps = _fits(d, F, level)
     step = float(np.median(np.diff(d)))
-    least = max(0.0, float(min(ramps[0].min(), steps[0].min())))
+    least = max(0.0, float(min(one[0].min() for one in (ramps, curves, steps))))
     variance = max(least / max(1, len(d) - 3), noise[0] ** 2)
     colour = 1.0
     if noise[0] > 0:
         colour = max(1.0, (noise[1] / noise[0]) ** 2 * max(1.0, length / step))
-    allowed = colour * variance * np.repeat([CHI2, JUMP], steps.shape[1])
-    steps[0] += CHI2 * colour * variance  # a step must be needed: noise makes small ones
-    rest, places, doubts = np.concatenate([ramps, steps], axis=1)
+    allowed = colour * variance * np.repeat([CHI2, CHI2, JUMP], steps.shape[1])
+    for one in (curves, steps):  # must be needed: noise makes small bends and steps
+        one[0] += CHI2 * colour * variance
+    rest, places, doubts = np.concatenate([ramps, curves, steps], axis=1)
     best = int(np.argmin(rest))
     near = rest <= rest[best] + allowed
     reach = np.hypot(WIDTH * doubts[near] * np.sqrt(colour * variance), step / 2)
@@ -182,31 +184,51 @@ def _around(
     return d[:whole].reshape(-1, size).mean(axis=1), F[:whole].reshape(-1, size).mean(axis=1)
 
 
-def _ramps_and_steps(d: np.ndarray, F: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """Fit both models with their edge between any two rows.
+def _fits(d: np.ndarray, F: np.ndarray, level: float) -> tuple[np.ndarray, ...]:
+    """Fit all three models with their edge between any two rows.
 
     Returns
     -------
-    ramps, steps
+    ramps, curves, steps
         (3, edges) each: squares left, place where the fit passes ``level``, and its sd per unit of
         noise. A step that is higher than ``level`` passes it at its edge.
     """
     edge = (d[2:-2] + d[3:-1]) / 2
     away = np.clip(edge[:, None] - d, 0, None)
-    count = (away > 0).sum(axis=1)
-    a, aa, aF = away.sum(axis=1), (away**2).sum(axis=1), away @ F
-    sum_F, squares = (away > 0) @ F, float(F @ F)
-    slope = aF / aa
-    before = np.where(slope > 0, np.minimum(level / np.where(slope > 0, slope, 1), edge - d[0]), 0)
-    doubt = before / np.sqrt(aa) / np.where(slope > 0, slope, np.inf)
-    ramps = np.array([squares - slope * aF, edge - before, doubt])
-    spread = aa - a**2 / count
-    slope = (aF - a * sum_F / count) / spread
-    height = (sum_F - slope * a) / count
-    inside = (height < level) & (slope > 0)
-    before = np.where(inside, (level - height) / np.where(inside, slope, 1), 0)
-    doubt = np.sqrt(1 / count + (before - a / count) ** 2 / spread) / np.where(
-        inside, slope, np.inf
-    )
-    rest = squares - sum_F**2 / count - slope**2 * spread
-    return ramps, np.array([rest, edge - before, doubt])
+    before = away > 0
+    powers = [before.astype(float), away, away**2]
+    sums = [power @ F for power in powers]
+    squares = float(F @ F)
+
+    def fitted(m: int, n: int) -> np.ndarray:
+        """Fit a sum of the powers m and n of the distance from the edge; m alone if equal."""
+        mm, mn, nn = ((powers[i] * powers[j]).sum(axis=1) for i, j in ((m, m), (m, n), (n, n)))
+        if m == n:
+            one, two = sums[m] / mm, np.zeros(len(edge))
+            spread = np.array([[1 / mm, 0 * mm], [0 * mm, 0 * mm]])
+        else:
+            whole = mm * nn - mn**2
+            spread = np.array([[nn, -mn], [-mn, mm]]) / whole
+            one, two = np.einsum("ijk,jk->ik", spread, np.array([sums[m], sums[n]]))
+        rest = squares - one * sums[m] - two * sums[n]
+        far = _passes(m, one, n, two, level, edge - d[0])
+        slope = np.abs(m * one * far ** max(m - 1, 0) + n * two * far ** max(n - 1, 0))
+        row = np.array([far**m, far**n])
+        sd = np.sqrt(np.clip(np.einsum("ik,ijk,jk->k", row, spread, row), 0, None))
+        doubt = np.where((far > 0) & (slope > 0), sd / np.where(slope > 0, slope, 1), 0.0)
+        return np.array([rest, edge - far, doubt])
+
+    return fitted(1, 1), fitted(1, 2), fitted(0, 1)
+
+
+def _passes(
+    m: int, one: np.ndarray, n: int, two: np.ndarray, level: float, most: np.ndarray
+) -> np.ndarray:
+    """Return how far before its edge a fit first passes ``level``, at most ``most`` [m]."""
+    constant = (one if m == 0 else 0.0) - level
+    linear = (one if m == 1 else 0.0) + (two if n == 1 and m != 1 else 0.0)
+    square = two if n == 2 else np.zeros_like(two)
+    under = np.clip(linear**2 - 4 * square * constant, 0, None)
+    below = linear + np.sqrt(under)
+    far = np.where(below > 0, -2 * constant / np.where(below > 0, below, 1), most)
+    return np.clip(np.where(constant >= 0, 0.0, far), 0.0, most)
