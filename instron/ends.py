@@ -151,7 +151,7 @@ def _fall(
     holds what all places within chi-squared of the best one give; coloured noise counts by how
     much more of it averaging leaves than of white.
     """
-    d, F = _around(d, F, last, length)
+    d, F = _around(d, F, last, AROUND * length)
     if len(d) < 5:
         return last, last - length / 2, last + length / 2
     ramps, curves, steps = _fits(d, F, level)
@@ -173,11 +173,11 @@ def _fall(
 
 
 def _around(
-    d: np.ndarray, F: np.ndarray, last: float, length: float
+    d: np.ndarray, F: np.ndarray, last: float, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the rows around the fall; if they are over BINS, means of neighbours."""
-    reach = max(length, 4 * float(np.median(np.diff(d))))
-    inside = np.abs(d - last) <= AROUND * reach
+    reach = max(reach, 6 * float(np.median(np.diff(d))))
+    inside = np.abs(d - last) <= reach
     d, F = d[inside], F[inside]
     size = -(-len(d) // BINS)
     whole = len(d) - len(d) % size
@@ -211,6 +211,9 @@ def _fits(d: np.ndarray, F: np.ndarray, level: float) -> tuple[np.ndarray, ...]:
             spread = np.array([[nn, -mn], [-mn, mm]]) / whole
             one, two = np.einsum("ijk,jk->ik", spread, np.array([sums[m], sums[n]]))
         rest = squares - one * sums[m] - two * sums[n]
+        if n == 2:  # a bend that falls all the way to its edge
+            falls = (one >= 0) & (one + 2 * two * (edge - d[0]) >= 0)
+            rest = np.where(falls, rest, np.inf)
         far = _passes(m, one, n, two, level, edge - d[0])
         slope = np.abs(m * one * far ** max(m - 1, 0) + n * two * far ** max(n - 1, 0))
         row = np.array([far**m, far**n])

@@ -25,8 +25,8 @@ def jams(d: np.ndarray) -> np.ndarray:
 
 
 def teeth(d: np.ndarray) -> np.ndarray:
-    """Return a rise that lets go suddenly every 7 mm, and for good at GONE."""
-    phase = np.mod(d, 7e-3) / 7e-3
+    """Return a rise that lets go suddenly every 8 mm, and for good at GONE."""
+    phase = np.mod(d, 8e-3) / 8e-3
     return np.where(d < GONE, (0.3 + 0.7 * phase) * np.minimum(1, d / 0.02), 0.0)
 
 
