@@ -23,14 +23,17 @@ class Cause(NamedTuple):
     by_step: bool
 
 
-def resolved(march: Marching) -> tuple[float, float]:
+def resolved(march: Marching) -> tuple[float, float, float]:
     """Return what a time step resolves: the square of a rate of strain [1/s^2] and of a speed
-    [m^2/s^2], infinite where nothing can touch.
+    [m^2/s^2], infinite where nothing can touch; and that of a speed which keeps both on any
+    element, since its ends part at twice their speed at most: one look at speeds is then enough.
     """
     radius = min(rod.radius for rod in march.scene.rods)
     touches = march.contact is not None or march.tines is not None
     fastest = MOVED * radius / march.step if touches else math.inf
-    return (STRAINED / march.step) ** 2, fastest**2
+    strained = STRAINED / march.step
+    shortest = 1 / march.state.row("INV_LENGTH").max()
+    return strained**2, fastest**2, min(fastest, strained * shortest / 2) ** 2
 
 
 def check(march: Marching, status: int) -> Cause | None:

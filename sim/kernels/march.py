@@ -127,12 +127,24 @@ def gives_way(contact):
 
 
 @kernel
+def faster(buf, n, limit):
+    """Count the nodes whose squared speed is not below `limit`; a NaN counts."""
+    count = 0
+    for i in range(n):
+        v = at(buf, V0, V1, V2, i)
+        count += 0 if dot(v, v) < limit else 1
+    return count
+
+
+@kernel
 def too_fast(buf, n, limits):
     """Count the elements strained too fast and the nodes that are too fast; a NaN counts.
 
     Two elements of different rods are told apart by their ghosts, whose inverse length is zero.
     """
-    strained, moved = limits
+    strained, moved, harmless = limits
+    if faster(buf, n, harmless) == 0:
+        return 0
     count = 0
     for i in range(n):
         v, inverse = at(buf, V0, V1, V2, i), buf[INV_LENGTH + i]
@@ -169,9 +181,9 @@ def march(buf, n, time, dt, steps, limits, effects):
 
     STALE: the neighbour list must be rebuilt before the next step. UNSTABLE: after the step counted
     last, the square of an element's rate of strain or of a node's speed is not below `limits`
-    [1/s^2], [m^2/s^2]. WOUND: in that step an element
-    turned by nearly half a turn against its neighbour. DEEP: in that step strands were half the
-    contact distance apart, or nearly.
+    [1/s^2], [m^2/s^2]; the third of these is the square of a speed below which all nodes keep both.
+    WOUND: in that step an element turned by nearly half a turn against its neighbour. DEEP: in that
+    step strands were half the contact distance apart, or nearly.
     """
     keep, viscous, gravity, contact, friction, tines, tine_friction, driven, pulled, ledger = (
         effects
