@@ -8,8 +8,8 @@ from pydantic import BeforeValidator, ValidationInfo
 
 
 def folder_of(info: ValidationInfo) -> Path:
-    """Folder that paths are relative to."""
-    return (info.context or {})["folder"]
+    """Folder that paths are relative to: the study file's; this one where there is no file."""
+    return (info.context or {}).get("folder", Path())
 
 
 def _file(value: Any, info: ValidationInfo) -> Path:

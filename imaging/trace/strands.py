@@ -35,9 +35,7 @@ from imaging.trace.matching import Gain, bridge, chains, doubtful, join, refund,
 from imaging.trace.tips import led_on
 from imaging.trace.two_tone import beneath, head_on, own_membership
 
-ALARM = (
-    7.0  # sds of the ground's texture; of 3 500 false pieces the median reached 4, of true ones 19
-)
+ALARM = 7.0  # sds of the ground's texture; false lines had medians up to 4, cables from 19
 ROUNDS = 2  # of placing strands by what the others leave unexplained
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
 WHOLE = 3.0  # strand widths on which most of the width must be seen; else it is another's rim
