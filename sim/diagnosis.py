@@ -18,7 +18,6 @@ from sim import timestep
 from sim.energy import kinetic_energy
 from sim.errors import Unstable
 from sim.kernels.contact import Friction, contact_forces
-from sim.kernels.curve import bend_centreline, drift_flex, load_nodes
 from sim.kernels.ends import pull
 from sim.kernels.march import Effects
 from sim.kernels.rod import clear_loads, drift, stretch_and_shear
@@ -188,7 +187,6 @@ def _half_a_step_back(march: Marching) -> State:
     then = State(empty_buffer(), state.n, state.first, state.elements)
     then.used()[:] = state.used()
     drift(then.buf, then.n, -0.5 * march.step)
-    drift_flex(then.buf, then.n, -0.5 * march.step)
     return then
 
 
@@ -203,17 +201,13 @@ def _outer(then: State, effects: Effects, time: float, dt: float) -> Iterator[tu
         yield LOAD, then.rows("F0 F1 F2")
     if effects.contact is not None:
         clear_loads(buf, n)
-        bend_centreline(buf, n)
         contact_forces(buf, n, dt, effects.contact, _smooth(effects.friction))
-        load_nodes(buf, n)
         yield RODS, then.rows("F0 F1 F2")
     if effects.tines is not None:
         clear_loads(buf, n)
         place(effects.tines, time)
         undamped = effects.tines._replace(viscous=None if _tine_viscous(effects) is None else 0.0)
-        bend_centreline(buf, n)
         tine_forces(buf, n, dt, undamped, _smooth(effects.tine_friction))
-        load_nodes(buf, n)
         yield TINE, then.rows("F0 F1 F2")
 
 

@@ -79,6 +79,7 @@ def contact(scene: Scene, state: State) -> contact_kernel.Contact | None:
     # Along a strand bent as tightly as it can be, round its own radius, contact begins half a turn
     # away. With a longer gap the end loops of plectonemes slip through themselves.
     gap = math.pi * max(radii) if scene.contact.self_contact else math.inf
+    state.row("OVERHANG")[:] = _overhang(state, 2 * max(radii))
     return contact_kernel.Contact(
         line_stiffness,
         scene.contact.skin or max(0.5 * max(radii), 0.25 * state.row("LENGTH").max()),
@@ -86,13 +87,20 @@ def contact(scene: Scene, state: State) -> contact_kernel.Contact | None:
         arc,
         gap,
         np.zeros((2, 0), np.int64),
-        np.zeros(0, np.int64),
         np.zeros((3, 0)),
         np.zeros((4, 1), np.int64),
         np.zeros((4, 1), np.int64),
         np.zeros(3),
         np.zeros(contact_kernel.WORK),
     )
+
+
+def _overhang(state: State, reach: float) -> np.ndarray:
+    """Return how far contact reaches beyond each node [m]: only beyond the two ends of a rod."""
+    result = np.zeros(state.n)
+    for first, count in zip(state.first, state.elements, strict=True):
+        result[[first, first + count]] = reach
+    return result
 
 
 def tines(scene: Scene, state: State) -> tine_kernel.Tines | None:

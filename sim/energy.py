@@ -14,26 +14,18 @@ Array = NDArray[np.float64]
 
 
 def kinetic_energy(state: State) -> float:
-    """Return the kinetic energy of nodes, elements and flex that are free to move [J]."""
+    """Return the kinetic energy of nodes and elements that are free to move [J]."""
     velocity, spin = state.rows("V0 V1 V2"), state.rows("W0 W1 W2")
     inverse = state.rows("INV_J1 INV_J1 INV_J3")
     inertia = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0)
     mass = np.where(state.row("INV_MASS") > 0, state.row("MASS"), 0.0)
-    flex = 0.25 * _element_mass(state) * state.rows("U0 U1 U2") ** 2
-    return float(0.5 * np.sum(mass * velocity**2 + inertia * spin**2 + flex))
-
-
-def _element_mass(state: State) -> Array:
-    """Return the mass of every element [kg], (n,); nothing for ghosts."""
-    inverse = state.row("INV_FLEX")
-    return np.divide(4.0, inverse, out=np.zeros_like(inverse), where=inverse > 0)
+    return float(0.5 * np.sum(mass * velocity**2) + 0.5 * np.sum(inertia * spin**2))
 
 
 def elastic_energy(state: State) -> float:
-    """Return the elastic energy of stretch, shear, bending, twist and flex [J]."""
+    """Return the elastic energy of stretch, shear, bending and twist [J]."""
     rods = range(len(state.first))
-    flex = 0.5 * np.sum(state.row("FIRM") * state.rows("Y0 Y1 Y2") ** 2)
-    return sum(_stretch_energy(state, rod) + _bend_energy(state, rod) for rod in rods) + float(flex)
+    return sum(_stretch_energy(state, rod) + _bend_energy(state, rod) for rod in rods)
 
 
 def weight_energy(state: State, gravity: tuple[float, float, float]) -> float:

@@ -20,8 +20,7 @@ def rebuild(march: Marching) -> None:
     pairs = _pairs(march.state, old)
     listed, runs = np.zeros((2, 4, pairs.shape[1] + 1), np.int64)
     fill_runs(pairs, listed)
-    caps = _caps(march.state, pairs)
-    contact = old._replace(pairs=pairs, caps=caps, listed=listed, runs=runs)
+    contact = old._replace(pairs=pairs, listed=listed, runs=runs)
     if march.friction is not None:
         contact = contact._replace(slip=_slip(march.state, old, pairs))
     march.effects = march.effects._replace(contact=contact)
@@ -38,12 +37,6 @@ def _pairs(state: State, contact: Contact) -> NDArray[np.int64]:
     a, b = pairs[:, :count]
     order = np.lexsort((a, b - a, contact.rod[b], contact.rod[a]))
     return np.take(pairs[:, :count], order, axis=1)
-
-
-def _caps(state: State, pairs: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the numbers of the pairs whose second element is at an end of its rod."""
-    first, last = state.row("PREVIOUS")[pairs[1]] == 0, state.row("NEXT")[pairs[1] + 1] == 0
-    return np.flatnonzero(first | last)
 
 
 def _slip(state: State, old: Contact, pairs: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -107,10 +107,6 @@ class DoubleHelix(Part):
                 material=material_time(self.r, self.E, self.density),
             ),
             tines=[self._tine()],
-            # An element's own extent lengthens the step of slender elements, and 0.95 of the limit
-            # is stable: the first jam moves by 2e-5, and there are 1.5 times fewer steps.
-            rotary_inertia="element",
-            safety=0.95,
             output=Output(
                 sample_rate=self.samples_per_pitch * self.speed / self.pitch,
                 snapshots=self.snapshots,

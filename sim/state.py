@@ -135,8 +135,6 @@ def _fill_rod(state: State, number: int, rod: Rod, scene: Scene) -> None:
             state.row(f"Q{axis}{k}")[within] = directors[:, axis, k]
     _fill_elements(state, within, rod, lengths, scene.rotary_inertia)
     _fill_nodes(state, at, rod, lengths)
-    _fill_bulges(state, within, lengths)
-    _fill_flex(state, within, rod, lengths)
     _fill_vertices(
         state, at, rod, lengths, directors, np.random.default_rng([scene.seed, 2, number])
     )
@@ -205,30 +203,6 @@ def _fill_nodes(state: State, at: slice, rod: Rod, lengths: Array) -> None:
     state.row("MASS")[at], state.row("INV_MASS")[at] = mass, 1 / mass
     state.row("PREVIOUS")[at.start + 1 : at.stop] = 1.0
     state.row("NEXT")[at.start : at.stop - 1] = 1.0
-
-
-def _fill_bulges(state: State, at: slice, lengths: Array) -> None:
-    """Fill what makes an element's bulge of the vectors along it and its neighbours.
-
-    In b = -1/4 l^2 (H_i + H_{i+1}), with H = 2 (t_right - t_left)/(l_left + l_right) of vectors t
-    along elements over their lengths; where lengths differ so much that small moves of a short
-    element would move the bulge of a long one by more, it is kept down.
-    """
-    left = np.concatenate([[0.0], 2 / (lengths[:-1] + lengths[1:])])
-    right = np.concatenate([2 / (lengths[:-1] + lengths[1:]), [0.0]])
-    padded = np.concatenate([[np.inf], lengths, [np.inf]])
-    parts = 0.25 * lengths**2 * [left / padded[:-2], (right - left) / lengths, -right / padded[2:]]
-    parts /= np.maximum(np.abs(parts).sum(axis=0), 1.0)
-    for name, part in zip(("BEFORE", "OWN", "AFTER"), parts, strict=True):
-        state.row(name)[at] = part
-
-
-def _fill_flex(state: State, at: slice, rod: Rod, lengths: Array) -> None:
-    """Fill stiffness and inverse mass of every element's own flex."""
-    bend, _ = rigidities(rod.material, rod.radius)
-    area = np.pi * rod.radius**2
-    state.row("FIRM")[at] = 1 / (lengths**3 / bend + 4 * lengths / state.row("SHEAR")[at])
-    state.row("INV_FLEX")[at] = 4 / (rod.material.density * area * lengths)
 
 
 def _fill_vertices(

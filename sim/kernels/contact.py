@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.kernels.compiled import formula, kernel
-from sim.kernels.curve import wedges
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.neighbours import keep_in_play
 from sim.kernels.overlap import *  # noqa: F403
@@ -23,16 +22,13 @@ GIVES_WAY = 0.3  # mean overlap over contact distance, 0.31 where that is half, 
 
 # Columns of a run: forces at the starts and ends of a and b (of its end with a minus sign), the sum
 # of the force's magnitudes and that sum weighted by s and by t, the spring constant of the whole
-# interval, couples on a and b, the slip, and the forces on the bulges of a and (less) of b; the
-# interval that touches, and the place on b at s = 0 and its change with s.
+# interval, couples on a and b, and the slip.
 AT_A0, AT_A1, AT_A2, BY_S0, BY_S1, BY_S2 = (STRIDE * row for row in range(6))
 AT_B0, AT_B1, AT_B2, BY_T0, BY_T1, BY_T2 = (STRIDE * row for row in range(6, 12))
 TOTAL, SUM_S, SUM_T, SPRING = (STRIDE * row for row in range(12, 16))
 TURN_A0, TURN_A1, TURN_A2, TURN_B0, TURN_B1, TURN_B2 = (STRIDE * row for row in range(16, 22))
 SLIP0, SLIP1, SLIP2 = (STRIDE * row for row in range(22, 25))
-BOW_S0, BOW_S1, BOW_S2, BOW_T0, BOW_T1, BOW_T2 = (STRIDE * row for row in range(25, 31))
-LOW, HIGH, START, RATE = (STRIDE * row for row in range(31, 35))
-WORK = STRIDE * 35
+WORK = STRIDE * 25
 
 
 class Contact(NamedTuple):
@@ -43,8 +39,7 @@ class Contact(NamedTuple):
     (`sim.kernels.runs`). `play` (3,): for how many steps nodes may move on until these are sieved
     anew, how many steps ago that was, and how many pairs gave way in the last step. `slip` (3, m)
     holds the tangential displacement [m] of each pair, nothing without friction. `rod` and `arc`
-    tell which rod an element is on and where. `caps` (c,): numbers of the pairs whose second
-    element is at an end of its rod. `work` (WORK,): columns of a run.
+    tell which rod an element is on and where. `work` (WORK,): columns of a run.
     """
 
     stiffness: float
@@ -53,7 +48,6 @@ class Contact(NamedTuple):
     arc: np.ndarray
     self_gap: float
     pairs: np.ndarray
-    caps: np.ndarray
     slip: np.ndarray
     listed: np.ndarray
     runs: np.ndarray
@@ -72,27 +66,30 @@ class Friction(NamedTuple):
     backward: float
 
 
-@formula
-def facing(buf, a, b):
-    """Return what `meeting` asks of elements a and b but the reach."""
-    p, q = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
-    return (
-        minus(p, q),
-        minus(at(buf, X0, X1, X2, a + 1), p),
-        at(buf, H0, H1, H2, a),
-        minus(at(buf, X0, X1, X2, b + 1), q),
-        at(buf, H0, H1, H2, b),
-        at(buf, B0, B1, B2, b),
-        at(buf, B0, B1, B2, b + 1),
-    )
+@kernel
+def wedges(buf, n):
+    """Fill the unit tangents and the normals of the planes that bisect each node's angle."""
+    for i in range(n):
+        t0 = buf[X0 + i + 1] - buf[X0 + i]
+        t1 = buf[X1 + i + 1] - buf[X1 + i]
+        t2 = buf[X2 + i + 1] - buf[X2 + i]
+        scale = 1.0 / math.sqrt(t0 * t0 + t1 * t1 + t2 * t2 + 1e-300)
+        buf[T0 + i], buf[T1 + i], buf[T2 + i] = t0 * scale, t1 * scale, t2 * scale
+    for i in range(1, n):
+        left, right = buf[PREVIOUS + i], buf[NEXT + i]
+        buf[B0 + i] = left * buf[T0 + i - 1] + right * buf[T0 + i]
+        buf[B1 + i] = left * buf[T1 + i - 1] + right * buf[T1 + i]
+        buf[B2 + i] = left * buf[T2 + i - 1] + right * buf[T2 + i]
 
 
 @formula
 def contact_interval(buf, a, b, reach):
-    """Return the interval of s on element a that element b owns and that touches it."""
-    w0, dp, bow, u, sag, n0, n1 = facing(buf, a, b)
-    low, high, _, _ = meeting(w0, dp, bow, u, sag, n0, n1, reach)
-    return low, high
+    """Return the interval of s on element a that element b owns and that may touch it."""
+    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+    q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
+    n0, n1 = at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1)
+    h0, h1 = buf[OVERHANG + b], buf[OVERHANG + b + 1]
+    return interval(minus(p0, q0), minus(p1, p0), minus(q1, q0), n0, n1, h0, h1, reach)
 
 
 @kernel
@@ -103,7 +100,6 @@ def contact_forces(buf, n, dt, contact, friction):
     contact.play[2] = 0.0
     run = 0
     while contact.runs[LENGTH_OF, run] > 0:
-        meet_run(buf, contact, run)
         contact.play[2] += press_run(buf, contact, run)
         if friction is not None:
             rub_run(buf, dt, contact, friction, run)
@@ -111,52 +107,34 @@ def contact_forces(buf, n, dt, contact, friction):
         if friction is not None:
             scatter_couples(buf, contact, run)
         run += 1
-    cap_forces(buf, contact)
-
-
-@kernel
-def meet_run(buf, contact, run):
-    """Find where a run's pairs touch and fill these columns.
-
-    Whole vectors only, so that a pair's rounding does not depend on its place in the run; nobody
-    uses the columns beyond the last pair.
-    """
-    a, b, _, length = bounds(contact.runs, run)
-    work = contact.work
-    for k in range(whole(length)):
-        reach = buf[RADIUS + (a + k)] + buf[RADIUS + (b + k)]
-        w0, dp, bow, u, sag, n0, n1 = facing(buf, a + k, b + k)
-        low, high, start, rate = meeting(w0, dp, bow, u, sag, n0, n1, reach)
-        touches = low < high
-        work[LOW + k] = low if touches else 0.0
-        work[HIGH + k] = high if touches else 0.0
-        work[START + k] = start
-        work[RATE + k] = rate
 
 
 @kernel
 def press_run(buf, contact, run):
-    """Integrate the contact of a run's pairs where they touch and fill their columns.
+    """Integrate the contact of a run's pairs and fill their columns.
 
-    Returns how many of them give way (`sim.kernels.passing`). A loop of its own: one with
-    `meet_run` is too long for the compiler to vectorise.
+    Returns how many of them give way (`sim.kernels.passing`). Whole vectors only, so that a pair's
+    rounding does not depend on its place in the run; nobody uses the columns beyond the last pair.
     """
     a, b, _, length = bounds(contact.runs, run)
     work, yielding = contact.work, 0
     for k in range(whole(length)):
-        reach = buf[RADIUS + (a + k)] + buf[RADIUS + (b + k)]
-        line = contact.stiffness * buf[LENGTH + (a + k)]
-        w0, dp, bow, u, sag, _, _ = facing(buf, a + k, b + k)
-        low, high, start, rate = work[LOW + k], work[HIGH + k], work[START + k], work[RATE + k]
-        force, by_s, by_t, bow_s, bow_t, total, sum_s, sum_t = press(
-            w0, dp, bow, u, sag, low, high, start, rate, reach, line
+        i, j = a + k, b + k
+        p0, q0 = at(buf, X0, X1, X2, i), at(buf, X0, X1, X2, j)
+        w, dp = minus(p0, q0), minus(at(buf, X0, X1, X2, i + 1), p0)
+        u = minus(at(buf, X0, X1, X2, j + 1), q0)
+        n0, n1 = at(buf, B0, B1, B2, j), at(buf, B0, B1, B2, j + 1)
+        reach, line = buf[RADIUS + i] + buf[RADIUS + j], contact.stiffness * buf[LENGTH + i]
+        low, high = interval(w, dp, u, n0, n1, buf[OVERHANG + j], buf[OVERHANG + j + 1], reach)
+        touches = low < high
+        low, high = low if touches else 0.0, high if touches else 0.0
+        force, by_s, by_t, total, sum_s, sum_t = press(
+            w, along(w, 1.0, dp), (0.0, 0.0, 0.0), u, low, high, reach, line
         )
         put(work, AT_A0, AT_A1, AT_A2, k, minus(force, by_s))
         put(work, BY_S0, BY_S1, BY_S2, k, by_s)
         put(work, AT_B0, AT_B1, AT_B2, k, minus(by_t, force))
         put(work, BY_T0, BY_T1, BY_T2, k, by_t)
-        put(work, BOW_S0, BOW_S1, BOW_S2, k, bow_s)
-        put(work, BOW_T0, BOW_T1, BOW_T2, k, bow_t)
         spring = line * (high - low)
         put(work, TOTAL, SUM_S, SUM_T, k, (total, sum_s, sum_t))
         work[SPRING + k] = spring
@@ -166,7 +144,7 @@ def press_run(buf, contact, run):
 
 @kernel
 def scatter_run(buf, contact, run):
-    """Add the forces in the columns of a run to the four nodes of each pair and to both bulges.
+    """Add the forces in the columns of a run to the four nodes of each pair.
 
     A node is the end of one pair and the start of the next: its sums are in the order of the pairs
     if the ends of all of them come first.
@@ -176,50 +154,6 @@ def scatter_run(buf, contact, run):
     add_run(buf, F0, F1, F2, b + 1, contact.work, BY_T0, BY_T1, BY_T2, length, -1.0)
     add_run(buf, F0, F1, F2, a, contact.work, AT_A0, AT_A1, AT_A2, length, 1.0)
     add_run(buf, F0, F1, F2, b, contact.work, AT_B0, AT_B1, AT_B2, length, 1.0)
-    add_run(buf, P0, P1, P2, a, contact.work, BOW_S0, BOW_S1, BOW_S2, length, 1.0)
-    add_run(buf, P0, P1, P2, b, contact.work, BOW_T0, BOW_T1, BOW_T2, length, -1.0)
-
-
-@kernel
-def cap_forces(buf, contact):
-    """Add the contact of elements with the round caps at the ends of others."""
-    for k in contact.caps:
-        a, b = contact.pairs[0, k], contact.pairs[1, k]
-        if buf[PREVIOUS + b] == 0.0:
-            press_cap(buf, contact, a, b, b, -1.0)
-        if buf[NEXT + b + 1] == 0.0:
-            press_cap(buf, contact, a, b, b + 1, 1.0)
-
-
-@formula
-def facing_cap(buf, a, end, sign):
-    """Return what `cap_interval` asks of element a and an end node but the reach."""
-    p, n = at(buf, X0, X1, X2, a), at(buf, B0, B1, B2, end)
-    return (
-        minus(p, at(buf, X0, X1, X2, end)),
-        minus(at(buf, X0, X1, X2, a + 1), p),
-        at(buf, H0, H1, H2, a),
-        (sign * n[0], sign * n[1], sign * n[2]),
-    )
-
-
-@kernel
-def press_cap(buf, contact, a, b, end, sign):
-    """Integrate the contact of element a with the cap at the end of element b."""
-    reach, line = buf[RADIUS + a] + buf[RADIUS + b], contact.stiffness * buf[LENGTH + a]
-    w0, dp, bow, normal = facing_cap(buf, a, end, sign)
-    low, high = cap_interval(w0, dp, bow, normal, reach)
-    if low >= high:
-        return
-    for node, weight in GAUSS:
-        s = low + (high - low) * node
-        gap = arc(w0, s, dp, bow)
-        distance = math.sqrt(dot(gap, gap)) + 1e-300
-        unit = line * (high - low) * weight * max(reach - distance, 0.0) / distance
-        push(buf, F0, F1, F2, a, gap, (1.0 - s) * unit)
-        push(buf, F0, F1, F2, a + 1, gap, s * unit)
-        push(buf, P0, P1, P2, a, gap, s * (1.0 - s) * unit)
-        push(buf, F0, F1, F2, end, gap, -unit)
 
 
 @kernel

@@ -16,11 +16,10 @@ PITCH = CAPACITY + 136
 _NODES = "X0 X1 X2 V0 V1 V2 F0 F1 F2 MASS INV_MASS"
 _ELEMENTS = "Q00 Q01 Q02 Q10 Q11 Q12 Q20 Q21 Q22 W0 W1 W2 C0 C1 C2"
 _CONSTANTS = "INV_LENGTH LENGTH SHEAR STRETCH INV_J1 INV_J3 J_RATIO RADIUS"
-_WORK = "N0 N1 N2 E0 E1 E2"
+_WORK = "N0 N1 N2 T0 T1 T2 E0 E1 E2"
 _VERTICES = "INV_VORONOI BEND TWIST K0 K1 K2 L0 L1 L2 R0 R1 R2"
-_CURVE = "BEFORE OWN AFTER H0 H1 H2 P0 P1 P2 Y0 Y1 Y2 U0 U1 U2 FIRM INV_FLEX"
-_CONTACT = "PREVIOUS NEXT B0 B1 B2 A0 A1 A2 D0 D1 D2 G0 G1 G2 I0 I1 I2 ROAM SWAY"
-_NAMES = " ".join((_NODES, _ELEMENTS, _CONSTANTS, _WORK, _VERTICES, _CURVE, _CONTACT)).split()
+_CONTACT = "PREVIOUS NEXT B0 B1 B2 OVERHANG A0 A1 A2 G0 G1 G2 ROAM SWAY"
+_NAMES = " ".join((_NODES, _ELEMENTS, _CONSTANTS, _WORK, _VERTICES, _CONTACT)).split()
 ROWS = len(_NAMES)
 ROW = {name: number for number, name in enumerate(_NAMES)}
 
@@ -44,8 +43,9 @@ SHEAR, STRETCH = (PITCH * ROW[name] for name in ("SHEAR", "STRETCH"))
 INV_J1, INV_J3, J_RATIO = (PITCH * ROW[name] for name in ("INV_J1", "INV_J3", "J_RATIO"))
 RADIUS = PITCH * ROW["RADIUS"]
 
-# Elements, work space: internal force in the lab frame [N], shear couple [N m].
+# Elements, work space: internal force in the lab frame [N], unit tangent, shear couple [N m].
 N0, N1, N2 = (PITCH * ROW[name] for name in ("N0", "N1", "N2"))
+T0, T1, T2 = (PITCH * ROW[name] for name in ("T0", "T1", "T2"))
 E0, E1, E2 = (PITCH * ROW[name] for name in ("E0", "E1", "E2"))
 
 # Vertices: inverse Voronoi length [1/m], bending and twisting rigidity [N m^2], rest curvature
@@ -55,25 +55,13 @@ K0, K1, K2 = (PITCH * ROW[name] for name in ("K0", "K1", "K2"))
 L0, L1, L2 = (PITCH * ROW[name] for name in ("L0", "L1", "L2"))
 R0, R1, R2 = (PITCH * ROW[name] for name in ("R0", "R1", "R2"))
 
-# The smooth centreline (`sim.kernels.curve`), elements: what the vectors along the element before,
-# along itself and along the one after it are multiplied by in its bulge, the bulge [m], the force
-# on it [N], what of the bulge is the element's own flex [m], its velocity [m/s], stiffness [N/m]
-# and inverse mass [1/kg].
-BEFORE, OWN, AFTER = (PITCH * ROW[name] for name in ("BEFORE", "OWN", "AFTER"))
-H0, H1, H2 = (PITCH * ROW[name] for name in ("H0", "H1", "H2"))
-P0, P1, P2 = (PITCH * ROW[name] for name in ("P0", "P1", "P2"))
-Y0, Y1, Y2 = (PITCH * ROW[name] for name in ("Y0", "Y1", "Y2"))
-U0, U1, U2 = (PITCH * ROW[name] for name in ("U0", "U1", "U2"))
-FIRM, INV_FLEX = (PITCH * ROW[name] for name in ("FIRM", "INV_FLEX"))
-
-# Contact: which tangents the wedge normal of a node adds up (1 or 0), the normal, positions and
-# flex when the neighbour list was built and when the pairs in play were last sieved out of it, how
-# far a node may move until that is done again, and the most that any node may that an element and
-# its part of space depend on [m].
+# Contact: which tangents the wedge normal of a node adds up (1 or 0), the normal, how far a rod's
+# end reaches beyond its last node [m], positions when the neighbour list was built and when the
+# pairs in play were last sieved out of it, how far a node may move until that is done again, and
+# the most that any node may that an element and its part of space depend on [m].
 PREVIOUS, NEXT = (PITCH * ROW[name] for name in ("PREVIOUS", "NEXT"))
 B0, B1, B2 = (PITCH * ROW[name] for name in ("B0", "B1", "B2"))
+OVERHANG = PITCH * ROW["OVERHANG"]
 A0, A1, A2 = (PITCH * ROW[name] for name in ("A0", "A1", "A2"))
-D0, D1, D2 = (PITCH * ROW[name] for name in ("D0", "D1", "D2"))
 G0, G1, G2 = (PITCH * ROW[name] for name in ("G0", "G1", "G2"))
-I0, I1, I2 = (PITCH * ROW[name] for name in ("I0", "I1", "I2"))
 ROAM, SWAY = (PITCH * ROW[name] for name in ("ROAM", "SWAY"))

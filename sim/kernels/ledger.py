@@ -6,12 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.kernels.compiled import kernel
-from sim.kernels.contact import facing, facing_cap
-from sim.kernels.curve import bend_centreline, kick_flex, wedges
+from sim.kernels.contact import GAUSS, contact_interval, wedges
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.overlap import GAUSS, arc, cap_interval, foot, meeting
 from sim.kernels.rod import kick, logarithm, strain_rate, turning_rate
-from sim.kernels.tine import Tines, energy_of
+from sim.kernels.tine import Tines, tine_interval
 from sim.kernels.touch import touching_loads
 from sim.kernels.vectors import along, at, dot, minus
 
@@ -84,10 +82,7 @@ def kick_and_book(buf, n, dt, keep, viscous, ledger):
     """
     power = material_power(buf, n, viscous)
     copy_rows(buf, n, V0, W0, ledger.before)
-    if viscous is not None:
-        ledger.material[0] += flexing_loss(buf, n, dt, viscous)
     kick(buf, n, dt, keep)
-    kick_flex(buf, n, dt, keep, viscous)
     copy_rows(buf, n, V0, W0, ledger.after)
     ledger.friction[0] -= 0.5 * dt * np.sum(ledger.rubbing * (ledger.before + ledger.after))
     if keep is not None:
@@ -98,18 +93,6 @@ def kick_and_book(buf, n, dt, keep, viscous, ledger):
         change = material_power(buf, n, viscous)
         set_rows(buf, n, V0, W0, ledger.after)
         ledger.material[0] += dt * (0.75 * power + 0.25 * later - 0.25 * change)
-
-
-@kernel
-def flexing_loss(buf, n, dt, viscous):
-    """Return what the material takes from the flex of all elements in the coming kick [J]."""
-    total = 0.0
-    for i in range(n):
-        u, y = at(buf, U0, U1, U2, i), at(buf, Y0, Y1, Y2, i)
-        force = along(at(buf, P0, P1, P2, i), -buf[FIRM + i], along(y, viscous, u))
-        mean = along(u, 0.5 * dt * buf[INV_FLEX + i], force)
-        total += dt * viscous * buf[FIRM + i] * dot(u, mean)
-    return total
 
 
 @kernel
@@ -140,8 +123,6 @@ def kinetic(buf, n):
             total += buf[MASS + i] * dot(v, v)
         if buf[INV_J1 + i] > 0.0:
             total += (w[0] * w[0] + w[1] * w[1]) / buf[INV_J1 + i] + w[2] * w[2] / buf[INV_J3 + i]
-        if buf[INV_FLEX + i] > 0.0:
-            total += dot(at(buf, U0, U1, U2, i), at(buf, U0, U1, U2, i)) / buf[INV_FLEX + i]
     return 0.5 * total
 
 
@@ -186,34 +167,16 @@ def turning_power(buf, i):
 
 
 @kernel
-def pressed(buf, a, b, contact):
-    """Return the energy of the contact of element a with the flank of element b [J]."""
-    reach, line = buf[RADIUS + a] + buf[RADIUS + b], contact.stiffness * buf[LENGTH + a]
-    w0, dp, bow, u, sag, n0, n1 = facing(buf, a, b)
-    low, high, start, rate = meeting(w0, dp, bow, u, sag, n0, n1, reach)
+def pressed(p0, p1, q0, q1, low, high, reach, line):
+    """Return the energy of the contact of segment p over [low, high] with segment q [J]."""
+    dp, u = minus(p1, p0), minus(q1, q0)
+    inverse = 1.0 / (dot(u, u) + 1e-300)
     total = 0.0
-    if low >= high:
-        return total
     for node, weight in GAUSS:
-        s = low + (high - low) * node
-        w = arc(w0, s, dp, bow)
-        gap = minus(w, arc((0.0, 0.0, 0.0), foot(w, start + rate * s, u, sag), u, sag))
-        deep = max(reach - math.sqrt(dot(gap, gap)), 0.0)
-        total += 0.5 * line * (high - low) * weight * deep * deep
-    return total
-
-
-@kernel
-def capped(buf, a, b, end, sign, contact):
-    """Return the energy of the contact of element a with the cap at an end of element b [J]."""
-    reach, line = buf[RADIUS + a] + buf[RADIUS + b], contact.stiffness * buf[LENGTH + a]
-    w0, dp, bow, normal = facing_cap(buf, a, end, sign)
-    low, high = cap_interval(w0, dp, bow, normal, reach)
-    total = 0.0
-    if low >= high:
-        return total
-    for node, weight in GAUSS:
-        gap = arc(w0, low + (high - low) * node, dp, bow)
+        x = along(p0, low + (high - low) * node, dp)
+        w = minus(x, q0)
+        t = min(max(dot(w, u) * inverse, 0.0), 1.0)
+        gap = along(w, -t, u)
         deep = max(reach - math.sqrt(dot(gap, gap)), 0.0)
         total += 0.5 * line * (high - low) * weight * deep * deep
     return total
@@ -222,26 +185,33 @@ def capped(buf, a, b, end, sign, contact):
 @kernel
 def contact_energy(buf, n, contact):
     """Return the energy stored in the contact of rods [J]."""
-    bend_centreline(buf, n)
     wedges(buf, n)
     total = 0.0
     for k in range(contact.pairs.shape[1]):
         a, b = contact.pairs[0, k], contact.pairs[1, k]
-        total += pressed(buf, a, b, contact)
-        if buf[PREVIOUS + b] == 0.0:
-            total += capped(buf, a, b, b, -1.0, contact)
-        if buf[NEXT + b + 1] == 0.0:
-            total += capped(buf, a, b, b + 1, 1.0, contact)
+        reach = buf[RADIUS + a] + buf[RADIUS + b]
+        low, high = contact_interval(buf, a, b, reach)
+        if low < high:
+            p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+            q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
+            line = contact.stiffness * buf[LENGTH + a]
+            total += pressed(p0, p1, q0, q1, low, high, reach, line)
     return total
 
 
 @kernel
 def tine_energy(buf, n, tines):
     """Return the energy stored in the contact of rods with tines, where they are placed [J]."""
-    bend_centreline(buf, n)
     total = 0.0
     for m in range(tines.geometry.shape[0]):
+        g, now = tines.geometry[m], tines.now[m]
+        middle, axis = (now[3], now[4], now[5]), (g[3], g[4], g[5])
+        q0, q1 = along(middle, -g[6], axis), along(middle, g[6], axis)
         for a in range(n):
-            if buf[LENGTH + a] > 0.0:
-                total += energy_of(buf, a, m, tines)
+            reach = buf[RADIUS + a] + now[2]
+            p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+            low, high = tine_interval(p0, p1, q0, q1, reach)
+            if low < high and buf[LENGTH + a] > 0.0:
+                line = tines.stiffness * buf[LENGTH + a]
+                total += pressed(p0, p1, q0, q1, low, high, reach, line)
     return total

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from sim.kernels.compiled import kernel
 from sim.kernels.contact import Contact, Friction
-from sim.kernels.curve import drift_flex, kick_flex
 from sim.kernels.ends import Driven, Pulled, drive, pull, react
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.ledger import Ledger, kick_and_book, touch_and_book
@@ -89,14 +88,12 @@ def touch(buf, n, time, dt, contact, friction, tines, tine_friction, ledger):
 
 
 @kernel
-def speed_up(buf, n, dt, keep, viscous, contact, tines, ledger):
+def speed_up(buf, n, dt, keep, viscous, ledger):
     """Kick, and book the losses if there is a ledger."""
     if ledger is not None:
         kick_and_book(buf, n, dt, keep, viscous, ledger)
     else:
         kick(buf, n, dt, keep)
-        if contact is not None or tines is not None:
-            kick_flex(buf, n, dt, keep, viscous)
 
 
 @kernel
@@ -168,18 +165,8 @@ def verdict(buf, n, limits, wound, contact):
 
 
 @kernel
-def half_drift(buf, n, dt, contact, tines):
-    """Drift half a step of dt, or back."""
-    drift(buf, n, 0.5 * dt)
-    if contact is not None or tines is not None:
-        drift_flex(buf, n, 0.5 * dt)
-
-
-@kernel
-def drift_on(buf, n, dt, driven, middle, contact, tines):
+def drift_on(buf, n, dt, driven, middle):
     """Drift from the middle of a step to that of the next; driven ends change course between."""
-    if contact is not None or tines is not None:
-        drift_flex(buf, n, dt)
     if driven is not None:
         drift(buf, n, 0.5 * dt)
         drive(buf, driven, middle)
@@ -203,19 +190,19 @@ def march(buf, n, time, dt, steps, limits, effects):
     )
     middle, step = time + 0.5 * dt, 0
     lead(buf, driven, middle)
-    half_drift(buf, n, dt, contact, tines)
+    drift(buf, n, 0.5 * dt)
     while not is_stale(buf, n, contact):
         wound = body_loads(buf, n, middle, dt, viscous, gravity, pulled)
         touch(buf, n, middle, dt, contact, friction, tines, tine_friction, ledger)
         record(buf, driven, dt)
-        speed_up(buf, n, dt, keep, viscous, contact, tines, ledger)
+        speed_up(buf, n, dt, keep, viscous, ledger)
         lead(buf, driven, middle)  # drag has slowed them too
         step += 1
         status = verdict(buf, n, limits, wound, contact)
         if step == steps or status != DONE:
-            half_drift(buf, n, dt, contact, tines)
+            drift(buf, n, 0.5 * dt)
             return step, status
         middle = time + (step + 0.5) * dt
-        drift_on(buf, n, dt, driven, middle, contact, tines)
-    half_drift(buf, n, -dt, contact, tines)
+        drift_on(buf, n, dt, driven, middle)
+    drift(buf, n, -0.5 * dt)
     return step, STALE

@@ -9,60 +9,54 @@ import math
 import numpy as np
 
 from sim.kernels.compiled import formula, kernel
-from sim.kernels.curve import bend_centreline
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.overlap import chord_interval
+from sim.kernels.overlap import interval
 from sim.kernels.runs import LENGTH_OF, bounds, prolong, whole
-from sim.kernels.vectors import along, at, dot, minus, put
+from sim.kernels.vectors import along, at, dot, minus
 
 FINEST, COARSEST = 1 / 1024, 1 / 8  # of the skin: how far nodes may move before the next sieving
 SELDOM, OFTEN = 20, 8  # steps between two sievings
 LEAST, MOST = 2.0, 32.0  # steps for which nodes may move on as fast as they are
 FORGETS = 0.9  # from one sieving to the next, how fast a node was
-SWINGS = 1.75  # how far places on centrelines move at most while no node or flex does more than 1
 
 
 @kernel
 def moved_far(buf, n, limit):
-    """Tell whether a node, or a bulge, is farther than `limit` from when the list was built."""
+    """Tell whether a node is farther than `limit` from where the neighbour list was built."""
     far = 0
     for i in range(n):
         step = minus(at(buf, X0, X1, X2, i), at(buf, A0, A1, A2, i))
-        flex = minus(at(buf, Y0, Y1, Y2, i), at(buf, D0, D1, D2, i))
-        far += 1 if max(dot(step, step), dot(flex, flex)) > limit * limit else 0
+        far += 1 if dot(step, step) > limit * limit else 0
     return far > 0
 
 
 @kernel
 def roamed_far(buf, n):
-    """Tell whether a node, or a bulge, is farther from the last sieving than was reckoned with."""
+    """Tell whether a node is farther from the last sieving than was reckoned with."""
     far = 0
     for i in range(n):
         step, limit = minus(at(buf, X0, X1, X2, i), at(buf, G0, G1, G2, i)), buf[ROAM + i]
-        flex = minus(at(buf, Y0, Y1, Y2, i), at(buf, I0, I1, I2, i))
-        far += 1 if max(dot(step, step), dot(flex, flex)) > limit * limit else 0
+        far += 1 if dot(step, step) > limit * limit else 0
     return far > 0
 
 
 @kernel
-def remember(buf, n, row0, row1, row2, flex0, flex1, flex2):
-    """Store the present positions and flex in three rows each."""
+def remember(buf, n, row0, row1, row2):
+    """Store the present positions in three rows."""
     for i in range(n):
-        put(buf, row0, row1, row2, i, at(buf, X0, X1, X2, i))
-        put(buf, flex0, flex1, flex2, i, at(buf, Y0, Y1, Y2, i))
+        buf[row0 + i], buf[row1 + i], buf[row2 + i] = buf[X0 + i], buf[X1 + i], buf[X2 + i]
 
 
 @kernel
 def longest_reach(buf, n, skin):
     """Return the edge of a cell: the largest distance of two midpoints that may touch."""
-    length = radius = bulge = 0.0
+    length = radius = 0.0
     for i in range(n):
         if buf[LENGTH + i] > 0.0:
             step = minus(at(buf, X0, X1, X2, i + 1), at(buf, X0, X1, X2, i))
             length = max(length, dot(step, step))
             radius = max(radius, buf[RADIUS + i])
-            bulge = max(bulge, sagitta(buf, i))
-    return 2.0 * (radius + bulge) + math.sqrt(length) + SWINGS * skin
+    return 2.0 * radius + math.sqrt(length) + skin
 
 
 @kernel
@@ -82,19 +76,12 @@ def bucket(cell, mask):
     return ((cell[0] * 73856093) ^ (cell[1] * 19349663) ^ (cell[2] * 83492791)) & mask
 
 
-@formula
-def sagitta(buf, a):
-    """Return how far the centreline of element a is off its chord in the middle [m]."""
-    b = at(buf, H0, H1, H2, a)
-    return 0.25 * math.sqrt(dot(b, b))
-
-
 @kernel
 def may_touch(buf, a, b, skin):
-    """Tell whether elements a and b may touch before a node has moved by half the skin.
+    """Tell whether elements a and b come within reach plus skin of each other.
 
-    No point of chord a is farther than an eighth of its length from one of five samples, so the
-    smallest sampled distance minus that is a lower bound of the true one.
+    No point of a is farther than an eighth of its length from one of five samples, so the smallest
+    sampled distance minus that is a lower bound of the true one.
     """
     p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
     q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
@@ -106,8 +93,7 @@ def may_touch(buf, a, b, skin):
         gap = along(w, -min(max(dot(w, u) * inverse, 0.0), 1.0), u)
         nearest = min(nearest, dot(gap, gap))
     bound = math.sqrt(nearest) - 0.125 * math.sqrt(dot(dp, dp))
-    reach = buf[RADIUS + a] + buf[RADIUS + b]
-    return bound < reach + sagitta(buf, a) + sagitta(buf, b) + SWINGS * skin
+    return bound < buf[RADIUS + a] + buf[RADIUS + b] + skin
 
 
 @kernel
@@ -138,14 +124,13 @@ def build_list(buf, n, contact, heads, following, pairs):
     Nothing is written beyond the room there is; a larger return value says how much is needed.
     `heads` has a power of two entries.
     """
-    bend_centreline(buf, n)
     edge = longest_reach(buf, n, contact.skin)
     fill_grid(buf, n, contact, edge, heads, following)
     count = 0
     for a in range(n):
         if contact.rod[a] >= 0:
             count = list_partners(buf, a, contact, edge, heads, following, pairs, count)
-    remember(buf, n, A0, A1, A2, D0, D1, D2)
+    remember(buf, n, A0, A1, A2)
     buf[G0 : G0 + n] = np.inf  # nobody knows yet which pairs are in play
     return count
 
@@ -184,7 +169,7 @@ def keep_in_play(buf, n, dt, contact):
     play[1] = 0.0
     let_roam(buf, n, play[0] * dt, FINEST * contact.skin, COARSEST * contact.skin)
     sieve(buf, n, contact)
-    remember(buf, n, G0, G1, G2, I0, I1, I2)
+    remember(buf, n, G0, G1, G2)
 
 
 @kernel
@@ -241,24 +226,22 @@ def lengths_now(buf, n):
 def is_in_play(buf, a, b, shortest, longest):
     """Tell whether elements a and b may touch before a node has moved too far.
 
-    Meanwhile no node around a or b moves by more than `play`, places on their centrelines by more
-    than SWINGS times that, vectors along elements and bulges over an element's length turn by up to
-    ``turn * play`` each, the planes at b's ends with them, and a point in contact with b stays
-    within reach + length of either end of b. Normals are no longer than 2.4.
+    Meanwhile no node around a or b moves by more than `play`, unit vectors along elements turn by
+    up to ``turn * play``, the planes at b's ends with them, and a point in contact with b stays
+    within reach + length of either end of b.
     """
     p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
-    n0, n1 = at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1)
-    reach, bow = buf[RADIUS + a] + buf[RADIUS + b], at(buf, H0, H1, H2, a)
+    reach = buf[RADIUS + a] + buf[RADIUS + b]
     play = max(buf[SWAY + a], buf[SWAY + b])
     turn = 2.0 / max(shortest - play, 1e-300)
-    # Of a plane for each of two vectors a side in its normal; and what the chord of a misses.
-    shift = 2.0 * play * turn * (reach + longest + 2.0 * play)
-    low = 6.0 * play + 0.25 * abs(dot(bow, n0)) + shift * (1.0 + buf[PREVIOUS + b])
-    top = 6.0 * play + 0.25 * abs(dot(bow, n1)) + shift * (1.0 + buf[NEXT + b + 1])
-    start, end = chord_interval(
+    shift = play * turn * (reach + longest + 2.0 * play)  # of a plane for each vector in its normal
+    low = 4.0 * play + shift * (1.0 + buf[PREVIOUS + b])
+    top = 4.0 * play + shift * (1.0 + buf[NEXT + b + 1])
+    start, end = interval(
         minus(p0, q0), minus(at(buf, X0, X1, X2, a + 1), p0),
         minus(at(buf, X0, X1, X2, b + 1), q0),
-        n0, n1, low, top,
-        reach + sagitta(buf, a) + sagitta(buf, b) + SWINGS * (buf[SWAY + a] + buf[SWAY + b]),
+        at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1),
+        buf[OVERHANG + b] + low, buf[OVERHANG + b + 1] + top,
+        reach + buf[SWAY + a] + buf[SWAY + b],
     )  # fmt: skip
     return start < end

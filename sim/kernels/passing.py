@@ -6,10 +6,9 @@ The march calls for a look after every step in which `contact.GIVES_WAY` is pass
 import math
 
 from sim.kernels.compiled import formula, kernel
-from sim.kernels.contact import facing
-from sim.kernels.curve import bend_centreline, wedges
+from sim.kernels.contact import contact_interval, wedges
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.overlap import meeting, press
+from sim.kernels.overlap import press
 from sim.kernels.vectors import along, at, dot, minus
 
 
@@ -114,24 +113,20 @@ def is_within(contact, a, b, n):
 @kernel
 def load_around(buf, n, contact, a, b, arc):
     """Return the force between the rods of a and b within a length `arc` of both [N]."""
-    bend_centreline(buf, n)
     wedges(buf, n)
     total = (0.0, 0.0, 0.0)
     for k in range(contact.pairs.shape[1]):
         i, j = contact.pairs[0, k], contact.pairs[1, k]
         same = contact.rod[i] == contact.rod[a] and contact.rod[j] == contact.rod[b]
         off = max(abs(contact.arc[i] - contact.arc[a]), abs(contact.arc[j] - contact.arc[b]))
-        if same and off < arc + buf[RADIUS + i] + buf[RADIUS + j]:
-            total = along(total, 1.0, force_between(buf, contact, i, j))
+        reach = buf[RADIUS + i] + buf[RADIUS + j]
+        if same and off < arc + reach:
+            low, high = contact_interval(buf, i, j, reach)
+            if low < high:
+                force, _, _, _, _, _ = press(
+                    at(buf, X0, X1, X2, i), at(buf, X0, X1, X2, i + 1),
+                    at(buf, X0, X1, X2, j), at(buf, X0, X1, X2, j + 1),
+                    low, high, reach, contact.stiffness * buf[LENGTH + i],
+                )  # fmt: skip
+                total = along(total, 1.0, force)
     return math.sqrt(dot(total, total))
-
-
-@kernel
-def force_between(buf, contact, a, b):
-    """Return the force of the flank of element b on element a [N]."""
-    reach, line = buf[RADIUS + a] + buf[RADIUS + b], contact.stiffness * buf[LENGTH + a]
-    w0, dp, bow, u, sag, n0, n1 = facing(buf, a, b)
-    low, high, start, rate = meeting(w0, dp, bow, u, sag, n0, n1, reach)
-    if low >= high:
-        return 0.0, 0.0, 0.0
-    return press(w0, dp, bow, u, sag, low, high, start, rate, reach, line)[0]

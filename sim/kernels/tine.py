@@ -6,14 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.kernels.compiled import formula, kernel
-from sim.kernels.contact import rubbing_force, surface_velocity
-from sim.kernels.curve import bulge_velocity, load_skewness, skewness
+from sim.kernels.contact import clip, near_line, press, rubbing_force, surface_velocity
 from sim.kernels.ends import smooth
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.overlap import GAUSS, arc
+from sim.kernels.overlap import GAUSS
 from sim.kernels.vectors import along, at, cross, dot, minus, point, push, to_body
-
-SAMPLES = 4  # of an element, where contact with a tine is looked for
 
 
 class Tines(NamedTuple):
@@ -87,11 +84,13 @@ def tine_forces(buf, n, dt, tines, friction):
     """Add the contact of every element with every tine and sum the reaction on the tine."""
     for m in range(tines.geometry.shape[0]):
         g, now = tines.geometry[m], tines.now[m]
-        middle, axis = (now[3], now[4], now[5]), (g[3], g[4], g[5])
+        middle, axis, half = (now[3], now[4], now[5]), (g[3], g[4], g[5]), g[6]
+        q0, q1 = along(middle, -half, axis), along(middle, half, axis)
         before = tine_power(tines, m)
         for a in range(n):
             if passes_near(buf, a, middle, axis, now[2]):
-                one_tine(buf, a, m, dt, tines, friction)
+                reach = buf[RADIUS + a] + now[2]
+                one_tine(buf, a, m, q0, q1, reach, dt, tines, friction)
             elif friction is not None:
                 tines.slip[m, a, 0] = tines.slip[m, a, 1] = tines.slip[m, a, 2] = 0.0
         tines.work[0] += dt * (tine_power(tines, m) - before)
@@ -103,180 +102,94 @@ def tine_power(tines, m):
     return -tines.now[m, 1] * dot(point(tines.load, m), point(tines.motion, m))
 
 
-@formula
+@kernel
 def passes_near(buf, a, middle, axis, radius):
-    """Tell whether a sphere around the centreline of element a meets the cylinder."""
-    start, h = minus(at(buf, X0, X1, X2, a), middle), at(buf, H0, H1, H2, a)
-    chord = minus(at(buf, X0, X1, X2, a + 1), at(buf, X0, X1, X2, a))
-    w = along(start, 0.5, chord)
+    """Tell whether a sphere around element a, stretched to twice its length, meets the cylinder."""
+    w = minus(at(buf, X0, X1, X2, a), middle)
     across = along(w, -dot(w, axis), axis)
-    half = 0.5 * math.sqrt(dot(chord, chord)) + math.sqrt(dot(h, h))
-    bound = buf[RADIUS + a] + radius + half
+    bound = buf[RADIUS + a] + radius + 2.0 * buf[LENGTH + a]
     return buf[LENGTH + a] > 0.0 and dot(across, across) < bound * bound
 
 
 @formula
-def tine_gap(s, w0, dp, bow, skew, u, inverse):
-    """Return the vector to a centreline at s from the next place on an axis, and where that is."""
-    w = along(arc(w0, s, dp, bow), s * (1.0 - s) * (1.0 - 2.0 * s), skew)
-    t = dot(w, u) * inverse
-    t = 0.0 if t < 0.0 else (1.0 if t > 1.0 else t)
-    return along(w, -t, u), t
-
-
-@formula
-def excess(s, w0, dp, bow, skew, u, reach):
-    """Return the squared distance of a centreline at s from an axis less reach^2, and half its
-    derivative.
-    """
-    gap, _ = tine_gap(s, w0, dp, bow, skew, u, 1.0 / dot(u, u))
-    slope = along(along(dp, 1.0 - 2.0 * s, bow), 1.0 - 6.0 * s * (1.0 - s), skew)
-    return dot(gap, gap) - reach * reach, dot(gap, slope)
-
-
-@kernel
-def border(inside, outside, w0, dp, bow, skew, u, reach):
-    """Return where touching ends between a place that touches and one that does not.
-
-    Newton's method, kept between the two by bisection.
-    """
-    s = 0.5 * (inside + outside)
-    for _ in range(60):
-        value, slope = excess(s, w0, dp, bow, skew, u, reach)
-        inside, outside = (s, outside) if value < 0.0 else (inside, s)
-        new = s - 0.5 * value / slope if slope != 0.0 else s
-        if not min(inside, outside) < new < max(inside, outside):
-            new = 0.5 * (inside + outside)
-        if abs(new - s) < 1e-14:
-            break
-        s = new
-    return new
-
-
-@kernel
-def nearest(low, high, w0, dp, bow, skew, u):
-    """Return the place of [low, high] that is nearest to an axis, by bisection of the slope."""
-    for _ in range(30):
-        s = 0.5 * (low + high)
-        _, slope = excess(s, w0, dp, bow, skew, u, 0.0)
-        low, high = (low, s) if slope > 0.0 else (s, high)
-    return s
-
-
-@kernel
-def tine_interval(w0, dp, bow, skew, u, reach):
-    """Return the part of a centreline that touches the cylinder with axis u, as [low, high].
-
-    From the first to the last of SAMPLES + 1 places that touch, and to the borders beyond them.
-    """
-    first, last, near, least = 2.0, -1.0, 0.0, np.inf
-    for k in range(SAMPLES + 1):
-        value, _ = excess(k / SAMPLES, w0, dp, bow, skew, u, reach)
-        if value < 0.0:
-            first, last = min(first, k / SAMPLES), k / SAMPLES
-        near, least = (k / SAMPLES, value) if value < least else (near, least)
-    if last < 0.0:
-        low, high = max(near - 1.0 / SAMPLES, 0.0), min(near + 1.0 / SAMPLES, 1.0)
-        first = last = nearest(low, high, w0, dp, bow, skew, u)
-        if excess(first, w0, dp, bow, skew, u, reach)[0] >= 0.0:
-            return 0.0, 0.0
-    else:
-        low, high = max(first - 1.0 / SAMPLES, 0.0), min(last + 1.0 / SAMPLES, 1.0)
-    if excess(low, w0, dp, bow, skew, u, reach)[0] >= 0.0:
-        low = border(first, low, w0, dp, bow, skew, u, reach)
-    if excess(high, w0, dp, bow, skew, u, reach)[0] >= 0.0:
-        high = border(last, high, w0, dp, bow, skew, u, reach)
+def tine_interval(p0, p1, q0, q1, reach):
+    """Return the interval of s on segment p that may touch the cylinder with axis q0 q1."""
+    u, w0, w1 = minus(q1, q0), minus(p0, q0), minus(p1, q0)
+    cap = reach * math.sqrt(dot(u, u))
+    low, high = near_line(0.0, 1.0, w0, w1, u, reach)
+    if low < high:
+        low, high = clip(low, high, dot(w0, u) + cap, dot(w1, u) + cap)
+    if low < high:
+        low, high = clip(low, high, cap - dot(minus(p0, q1), u), cap - dot(minus(p1, q1), u))
     return low, high
 
 
-@formula
-def facing_tine(buf, a, m, tines):
-    """Return start of element a seen from that of tine m, chord, bulge, skew, axis, and reach."""
-    g, now = tines.geometry[m], tines.now[m]
-    axis, half = (g[3], g[4], g[5]), g[6]
-    p0, q0 = at(buf, X0, X1, X2, a), along((now[3], now[4], now[5]), -half, axis)
-    return (
-        minus(p0, q0),
-        minus(at(buf, X0, X1, X2, a + 1), p0),
-        at(buf, H0, H1, H2, a),
-        skewness(buf, a),
-        (2.0 * half * axis[0], 2.0 * half * axis[1], 2.0 * half * axis[2]),
-        buf[RADIUS + a] + now[2],
-    )
-
-
 @kernel
-def energy_of(buf, a, m, tines):
-    """Return the energy stored in the contact of element a with tine m [J]."""
-    w0, dp, bow, skew, u, reach = facing_tine(buf, a, m, tines)
-    low, high = tine_interval(w0, dp, bow, skew, u, reach)
-    line, total = tines.stiffness * buf[LENGTH + a] * (high - low), 0.0
-    for node, weight in GAUSS:
-        s = low + (high - low) * node
-        gap, _ = tine_gap(s, w0, dp, bow, skew, u, 1.0 / dot(u, u))
-        deep = max(reach - math.sqrt(dot(gap, gap)), 0.0)
-        total += 0.5 * line * weight * deep * deep
-    return total
-
-
-@kernel
-def one_tine(buf, a, m, dt, tines, friction):
+def one_tine(buf, a, m, q0, q1, reach, dt, tines, friction):
     """Add the contact of element a with tine m."""
-    w0, dp, bow, skew, u, reach = facing_tine(buf, a, m, tines)
-    low, high = tine_interval(w0, dp, bow, skew, u, reach)
+    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+    low, high = tine_interval(p0, p1, q0, q1, reach)
     if low >= high:
         if friction is not None:
             tines.slip[m, a, 0] = tines.slip[m, a, 1] = tines.slip[m, a, 2] = 0.0
         return
-    force, total, s, t = press_tine(
-        buf, a, m, w0, dp, bow, skew, u, low, high, reach, tines, tines.viscous
+    line = tines.stiffness * buf[LENGTH + a]
+    force, first_s, total, sum_s, sum_t = press_tine(
+        buf, a, q0, q1, low, high, reach, line, tines.now[m], tines.motion[m], tines.viscous
     )
+    push(buf, F0, F1, F2, a, minus(force, first_s), 1.0)
+    push(buf, F0, F1, F2, a + 1, first_s, 1.0)
     tines.work[0] += dt * total * tines.now[m, 6]  # a growing tine pushes along the normal
     if friction is not None and total > 0.0:
-        spring = tines.stiffness * buf[LENGTH + a] * (high - low)
-        f = rub_tine(buf, a, m, s / total, t / total, total, spring, dt, tines, friction)
+        spring = line * (high - low)
+        f = rub_tine(buf, a, m, sum_s / total, sum_t / total, total, spring, dt, tines, friction)
         force = along(force, 1.0, f)
     for k in range(3):
         tines.load[m, k] -= force[k]
 
 
 @kernel
-def press_tine(buf, a, m, w0, dp, bow, skew, u, low, high, reach, tines, viscous):
-    """Add the contact of element a with a tine over [low, high] to the nodes and the bulge.
-
-    Returns the force [N], the sum of its magnitudes and that sum weighted by s and by t, the places
-    on the element and on the axis. Where it is damped, k (overlap + T d(overlap)/dt) nowhere pulls.
-    """
-    length, inverse = tines.stiffness * buf[LENGTH + a] * (high - low), 1.0 / dot(u, u)
-    force = first = (0.0, 0.0, 0.0)
-    total = sum_s = sum_t = 0.0
-    for node, weight in GAUSS:
-        s = low + (high - low) * node
-        gap, t = tine_gap(s, w0, dp, bow, skew, u, inverse)
-        distance = math.sqrt(dot(gap, gap)) + 1e-300
-        deep = max(reach - distance, 0.0)
-        if viscous is not None:
-            rate = tines.now[m, 6] - dot(seen_from(tines, m, buf, a, s), gap) / distance
-            deep = max(deep + viscous * rate, 0.0) if deep > 0.0 else 0.0
-        size = length * weight * deep
-        part = (size / distance * gap[0], size / distance * gap[1], size / distance * gap[2])
-        push(buf, F0, F1, F2, a, part, 1.0 - s)
-        push(buf, F0, F1, F2, a + 1, part, s)
-        push(buf, P0, P1, P2, a, part, s * (1.0 - s))
-        first = along(first, s * (1.0 - s) * (1.0 - 2.0 * s), part)
-        force, total = along(force, 1.0, part), total + size
-        sum_s, sum_t = sum_s + size * s, sum_t + size * t
-    load_skewness(buf, a, first)
-    return force, total, sum_s, sum_t
+def press_tine(buf, a, q0, q1, low, high, reach, line, now, motion, viscous):
+    """Return force [N], its first moment over s, its sum, and that weighted by s and by t."""
+    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+    if viscous is not None:
+        v0, v1 = at(buf, V0, V1, V2, a), at(buf, V0, V1, V2, a + 1)
+        drive = (now[1] * motion[0], now[1] * motion[1], now[1] * motion[2])
+        v0, v1, growth = minus(v0, drive), minus(v1, drive), now[6]
+        return press_damped(
+            p0, p1, q0, q1, v0, v1, growth, low, high, reach, line, viscous
+        )  # fmt: skip
+    force, first_s, _, total, sum_s, sum_t = press(p0, p1, q0, q1, low, high, reach, line)
+    return force, first_s, total, sum_s, sum_t
 
 
 @kernel
-def seen_from(tines, m, buf, a, s):
-    """Return the velocity of the centreline at s on element a less that of tine m [m/s]."""
-    now, motion = tines.now[m], tines.motion[m]
-    v0, v1 = at(buf, V0, V1, V2, a), at(buf, V0, V1, V2, a + 1)
-    v = arc(v0, s, minus(v1, v0), bulge_velocity(buf, a))
-    return along(v, -now[1], (motion[0], motion[1], motion[2]))
+def press_damped(p0, p1, q0, q1, v0, v1, growth, low, high, reach, line, viscous):
+    """Integrate k (overlap + T d(overlap)/dt), which nowhere pulls, over the contact.
+
+    The overlap grows as the segment, its ends moving at v0 and v1 past the axis, comes nearer to
+    it, and as the tine grows [m/s].
+    """
+    w0, dp, u, dv = minus(p0, q0), minus(p1, p0), minus(q1, q0), minus(v1, v0)
+    inverse = 1.0 / (dot(u, u) + 1e-300)
+    force = first_s = (0.0, 0.0, 0.0)
+    total = sum_s = sum_t = 0.0
+    for node, weight in GAUSS:
+        s = low + (high - low) * node
+        w = along(w0, s, dp)
+        t = min(max(dot(w, u) * inverse, 0.0), 1.0)
+        gap = along(w, -t, u)
+        distance = math.sqrt(dot(gap, gap)) + 1e-300
+        rate = growth - dot(along(v0, s, dv), gap) / distance
+        deep = reach - distance
+        size = line * (high - low) * weight * max(deep + viscous * rate, 0.0)
+        size = size if deep > 0.0 else 0.0
+        force = along(force, size / distance, gap)
+        first_s = along(first_s, s * size / distance, gap)
+        total += size
+        sum_s += size * s
+        sum_t += size * t
+    return force, first_s, total, sum_s, sum_t
 
 
 @kernel

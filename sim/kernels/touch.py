@@ -2,19 +2,14 @@
 
 from sim.kernels.compiled import kernel
 from sim.kernels.contact import contact_forces
-from sim.kernels.curve import bend_centreline, load_nodes
 from sim.kernels.tine import place, tine_forces
 
 
 @kernel
 def touching_loads(buf, n, time, dt, contact, friction, tines, tine_friction):
     """Add the forces and couples of everything that touches."""
-    if contact is not None or tines is not None:
-        bend_centreline(buf, n)
     if contact is not None:
         contact_forces(buf, n, dt, contact, friction)
     if tines is not None:
         place(tines, time)
         tine_forces(buf, n, dt, tines, tine_friction)
-    if contact is not None or tines is not None:
-        load_nodes(buf, n)

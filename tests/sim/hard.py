@@ -121,43 +121,26 @@ def contact_potential(march, samples=64):
     if contact is None or contact.pairs.size == 0:
         return 0.0
     a, b = contact.pairs
-    x, radius, bulge = state.rows("X0 X1 X2").T, state.row("RADIUS"), bulges(state)
+    x, radius = state.rows("X0 X1 X2").T, state.row("RADIUS")
     s = (np.arange(samples) + 0.5)[:, None, None] / samples
-    points = x[a] + s * (x[a + 1] - x[a]) + s * (1 - s) * bulge[a]
-    u, sag = x[b + 1] - x[b], bulge[b]
-    t = np.clip(_dot(points - x[b], u) / _dot(u, u), 0, 1)[..., None]
-    for _ in range(4):
-        gap, along = points - x[b] - t * u - t * (1 - t) * sag, u + (1 - 2 * t) * sag
-        t = np.clip(
-            t + (_dot(gap, along) / (_dot(along, along) + 2 * _dot(gap, sag)))[..., None], 0, 1
-        )
-    gap = np.linalg.norm(points - x[b] - t * u - t * (1 - t) * sag, axis=-1)
-    deep = np.maximum(radius[a] + radius[b] - gap, 0) * _owned(state, bulge, points, b)
+    points = x[a] + s * (x[a + 1] - x[a])
+    u = x[b + 1] - x[b]
+    t = np.clip(_dot(points - x[b], u) / _dot(u, u), 0, 1)
+    gap = np.linalg.norm(points - x[b] - t[..., None] * u, axis=-1)
+    deep = np.maximum(radius[a] + radius[b] - gap, 0) * _owned(state, points, b)
     return float(0.5 * contact.stiffness * (deep**2).mean(axis=0) @ state.row("LENGTH")[a])
 
 
-def bulges(state):
-    """Return how far centrelines are off chords over s (1 - s), (n, 3): flex less l^2 x''/2."""
-    result = state.rows("Y0 Y1 Y2").T.copy()
-    for rod, first in enumerate(state.first):
-        x = state.rows("X0 X1 X2").T[state.nodes(rod)]
-        length = state.row("LENGTH")[first : first + len(x) - 1, None]
-        bend = np.zeros_like(x)
-        bend[1:-1] = 2 * np.diff(np.diff(x, axis=0) / length, axis=0) / (length[1:] + length[:-1])
-        result[first : first + len(x) - 1] -= 0.25 * length**2 * (bend[1:] + bend[:-1])
-    return result
-
-
-def _owned(state, bulge, points, b):
-    """Tell which points lie between the planes normal to the centreline at b's ends."""
-    x, before, after = state.rows("X0 X1 X2").T, state.row("PREVIOUS")[:, None], state.row("NEXT")
-    chord = np.diff(x, axis=0, append=x[-1:])
-    inverse = state.row("INV_LENGTH")[:, None]
-    normal = before * np.roll((chord - bulge) * inverse, 1, axis=0)
-    normal += after[:, None] * (chord + bulge) * inverse
-    past = (_dot(points - x[b], normal[b]) >= 0) | (before[b, 0] == 0)
-    ahead = (_dot(points - x[b + 1], normal[b + 1]) <= 0) | (after[b + 1] == 0)
-    return past & ahead
+def _owned(state, points, b):
+    """Tell which points lie between the planes that bisect the corners at b's ends."""
+    x, overhang = state.rows("X0 X1 X2").T, state.row("OVERHANG")
+    tangent = np.diff(x, axis=0, append=x[-1:])
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
+    normal = state.row("PREVIOUS")[:, None] * np.roll(tangent, 1, axis=0)
+    normal += state.row("NEXT")[:, None] * tangent
+    after = _dot(points - x[b], normal[b]) + overhang[b] >= 0
+    before = _dot(points - x[b + 1], normal[b + 1]) - overhang[b + 1] <= 0
+    return after & before
 
 
 @dataclass

@@ -9,8 +9,7 @@ from sim import effects
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import contact as kernels
-from sim.kernels import curve, overlap, runs
-from sim.kernels.touch import touching_loads
+from sim.kernels import overlap, runs
 from sim.neighbours import rebuild
 from sim.scene import Contact, End, Friction, Material, Points, Rod, Scene, Straight, Tine
 from sim.state import build
@@ -37,9 +36,7 @@ def contact_only(march):
     """Fill the buffer's force and couple rows with contact and friction alone."""
     for name in ["F0", "F1", "F2", "C0", "C1", "C2"]:
         march.state.row(name)[:] = 0
-    touching_loads(
-        march.state.buf, march.state.n, 0.0, march.dt, march.contact, march.friction, None, None
-    )
+    kernels.contact_forces(march.state.buf, march.state.n, march.dt, march.contact, march.friction)
     return march.state.rows("F0 F1 F2"), march.state.rows("C0 C1 C2")
 
 
@@ -214,31 +211,20 @@ def test_no_contact_is_missed_while_strands_move(rng):
 def forces_pair_by_pair(march):
     """Add up all listed pairs, one after another, as batches of pairs in play must."""
     state, contact = march.state, march.contact
-    for name in ["F0", "F1", "F2"]:
-        state.row(name)[:] = 0
-    curve.bend_centreline(state.buf, state.n)
-    curve.wedges(state.buf, state.n)
-    rows = np.stack([state.rows("F0 F1 F2"), state.rows("P0 P1 P2")])
+    kernels.wedges(state.buf, state.n)
+    x, force = state.rows("X0 X1 X2").T, np.zeros((state.n, 3))
     for a, b in contact.pairs.T:
         reach = state.row("RADIUS")[a] + state.row("RADIUS")[b]
-        w0, dp, bow, u, sag, n0, n1 = kernels.facing(state.buf, a, b)
-        low, high, start, rate = overlap.meeting(w0, dp, bow, u, sag, n0, n1, reach)
+        low, high = kernels.contact_interval(state.buf, a, b, reach)
         if low < high:
+            ends = [tuple(x[i]) for i in (a, a + 1, b, b + 1)]
             line = contact.stiffness * state.row("LENGTH")[a]
-            push, by_s, by_t, bow_s, bow_t, *_ = overlap.press(
-                w0, dp, bow, u, sag, low, high, start, rate, reach, line
-            )
-            rows[0, :, a] += np.subtract(push, by_s)
-            rows[0, :, a + 1] += by_s
-            rows[0, :, b] -= np.subtract(push, by_t)
-            rows[0, :, b + 1] -= by_t
-            rows[1, :, a] += bow_s
-            rows[1, :, b] -= bow_t
-    for axis in range(3):
-        state.row(f"F{axis}")[:], state.row(f"P{axis}")[:] = rows[:, axis]
-    kernels.cap_forces(state.buf, contact)
-    curve.load_nodes(state.buf, state.n)
-    return state.rows("F0 F1 F2")
+            push, by_s, by_t, *_ = overlap.press(*ends, low, high, reach, line)
+            force[a] += np.subtract(push, by_s)
+            force[a + 1] += by_s
+            force[b] -= np.subtract(push, by_t)
+            force[b + 1] -= by_t
+    return force.T
 
 
 def pairs_in_play(contact):

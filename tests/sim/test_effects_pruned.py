@@ -27,9 +27,8 @@ for name, module in sorted(sys.modules.items()):
                 print(kernel.__name__)
 """
 EFFECTS = {  # a kernel of each effect
-    "weigh", "contact_forces", "wedges", "press_run", "rub_run", "bend_centreline", "load_nodes",
-    "kick_flex", "tine_forces", "place", "drive", "react", "pull", "kick_and_book", "strain_rate",
-    "turning_rate", "moved_far",
+    "weigh", "contact_forces", "wedges", "press_run", "rub_run", "tine_forces", "place", "drive",
+    "react", "pull", "kick_and_book", "strain_rate", "turning_rate", "moved_far",
 }  # fmt: skip
 
 
@@ -62,15 +61,7 @@ def test_bare_rods_compile_no_kernel_of_any_effect(tmp_path):
         ("dict(gravity=(0, 0, -9.81))", {"weigh"}),
         (
             "dict(contact=__import__('sim.scene').scene.Contact())",
-            {
-                "contact_forces",
-                "wedges",
-                "press_run",
-                "moved_far",
-                "bend_centreline",
-                "load_nodes",
-                "kick_flex",
-            },
+            {"contact_forces", "wedges", "press_run", "moved_far"},
         ),
         (
             "dict(damping=__import__('sim.scene').scene.Damping(material=1e-7))",
