@@ -258,7 +258,7 @@ CASES = {
     "strands of the ground's colour": Case(
         saved("a.png", lambda: drawn(colours=(GROUND,) * 3, noise=0.02)), "nothing stands out"
     ),
-    "one bit": Case(saved("a.png", mode="1"), "nothing stands out"),
+    "one bit": Case(saved("a.png", mode="1"), "cannot be followed as a strand"),
     "out of focus": Case(saved("a.png", lambda: drawn(blur=10)), "nothing stands out"),
     # the scale
     "scale of nonsense": Case(GOOD, "scale 'fast' is not understood", options=("--scale", "fast")),

@@ -89,9 +89,9 @@ def test_one_bad_photograph_does_not_stop_a_study(tmp_path):
     lines = [np.stack([100 + 40 * np.sin(y / 40 + 2.1 * i), y], axis=1) for i in range(3)]
     heights = [np.full(300, 20.0 * i) for i in range(3)]
     colours = [(0.85, 0.1, 0.2), (0.1, 0.6, 0.25), (0.1, 0.3, 0.8)]
-    for name in ("curl_1", "curl_2"):
-        drawn = render(lines, heights, colours, 4, (240, 200), rng=1).pixels
-        cv2.imwrite(str(tmp_path / f"{name}.png"), drawn[..., ::-1])
+    for number in (1, 2):
+        drawn = render(lines, heights, colours, 4, (240, 200), rng=number).pixels
+        cv2.imwrite(str(tmp_path / f"curl_{number}.png"), drawn[..., ::-1])
     (tmp_path / "curl_3.png").write_bytes((tmp_path / "curl_1.png").read_bytes()[:3000])
     (tmp_path / "study.toml").write_text(
         'title = "curls"\n[[curl]]\nname = "three"\nphotos = "curl_*.png"\npixel_size = 1e-4\n'
