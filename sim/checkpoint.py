@@ -15,6 +15,7 @@ FORMAT = 1  # of what is saved: to be raised with every change of the lists belo
 ROWS = "X0 X1 X2 V0 V1 V2 Q00 Q01 Q02 Q10 Q11 Q12 Q20 Q21 Q22 W0 W1 W2 A0 A1 A2 G0 G1 G2 ROAM SWAY"
 NUMBERS = ("steps", "ticks", "parts", "finest", "calm")
 PAIRS = ("deep", "tight")
+REPLACED = ("contact.pairs", "contact.listed")  # by every new list, never written to in place
 RECORDS = {
     "contact": ("pairs", "slip", "listed", "runs", "play"),
     "tines": ("now", "load", "work", "slip"),
@@ -31,6 +32,12 @@ def freeze(march: Marching) -> Arrays:
     frozen |= {name: np.asarray(getattr(march, name)) for name in (*NUMBERS, *PAIRS)}
     frozen |= {f"{effect}.{name}": value for effect, name, value in _records(march)}
     return frozen | {"format": np.asarray(FORMAT)}
+
+
+def mark(march: Marching) -> Arrays:
+    """Return the same to fall back on: good while it marches on, with what is written to copied."""
+    frozen = freeze(march)
+    return {name: v if name in REPLACED else v.copy() for name, v in frozen.items()}
 
 
 def thaw(march: Marching, frozen: Arrays) -> None:

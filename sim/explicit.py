@@ -43,9 +43,9 @@ class Explicit(Marching):
         """
         goal = self.steps + steps
         while self.steps < goal:
-            mark = {name: value.copy() for name, value in checkpoint.freeze(self).items()}
+            mark = checkpoint.mark(self)
             end = min(goal, self.steps + MARK)
-            while (cause := self._march_to(end)) is not None:
+            while (cause := self.march_to(end)) is not None:
                 if not cause.by_step or self.parts >= SHORTEST:
                     raise cause.error
                 self._fall_back(mark, cause)
@@ -53,7 +53,7 @@ class Explicit(Marching):
             if self.calm == CALM and self.parts > 1:
                 self._take(self.parts // 2)
 
-    def _march_to(self, end: int) -> guards.Cause | None:
+    def march_to(self, end: int) -> guards.Cause | None:
         """March until so many steps are taken; return what stopped it on the way, if anything."""
         while self.steps < end:
             inserting = self.steps < self.inserted

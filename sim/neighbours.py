@@ -18,11 +18,10 @@ def rebuild(march: Marching) -> None:
     if old is None:
         return
     pairs = _pairs(march.state, old)
-    listed, runs = np.zeros((2, 4, pairs.shape[1] + 1), np.int64)
-    fill_runs(pairs, listed)
-    contact = old._replace(pairs=pairs, listed=listed, runs=runs)
-    if march.friction is not None:
-        contact = contact._replace(slip=_slip(march.state, old, pairs))
+    slip = old.slip if march.friction is None else _slip(march.state, old, pairs)
+    runs = np.zeros((4, pairs.shape[1] + 1), np.int64)  # room for as many as may be in play
+    listed = runs[:, : fill_runs(pairs, runs) + 1].copy()
+    contact = old._replace(pairs=pairs, listed=listed, runs=runs, slip=slip)
     march.effects = march.effects._replace(contact=contact)
 
 

@@ -57,8 +57,9 @@ def prolong(runs, last, a, b, number):
 
 @kernel
 def fill_runs(pairs, runs):
-    """Put all pairs together to runs."""
+    """Put all pairs together to runs; return how many there are."""
     last = -1
     for k in range(pairs.shape[1]):
         last = prolong(runs, last, pairs[0, k], pairs[1, k], k)
     runs[LENGTH_OF, last + 1] = 0
+    return last + 1
