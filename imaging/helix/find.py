@@ -36,7 +36,8 @@ AGREED = 0.85  # of what is seen of the strands, on average where they wind
 AGREED_APART = 0.91  # the same of strands that lie apart, which fit more
 TURNED = 1.5  # turns
 PERHAPS = 1.0  # log evidence a strand radius; less is not even looked at again
-FOUR = 0.14  # of the sections that show three strands; more are no pair's
+FOUR = 0.06  # of the sections `crowded`; measured: pairs below 0.015, plies above 0.1
+FOUR_APART = 0.15  # the same of strands that lie apart, which may run aslant: 0.06, 0.28
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,8 @@ class Pair:
         Of the pair [px].
     step : float
         Pixels of the photograph to one of the coarse picture.
-    across : float
-        Share of the sections that show three strands or more side by side.
+    crowd : float
+        Share of the sections where the strands wind that show more than two can; see `crowded`.
     others : (h, w) bool array
         What else stands out from the ground.
     """
@@ -67,7 +68,7 @@ class Pair:
     turning: Turning
     half_width: float
     step: float
-    across: float
+    crowd: float
     others: Mask
 
     @property
@@ -89,7 +90,7 @@ class Pair:
     @property
     def four(self) -> bool:
         """Whether this is a pair folded and plied back on itself."""
-        return self.turning.ratio == 1 and self.across > FOUR
+        return self.crowd > (FOUR if self.turning.ratio == 1 else FOUR_APART)
 
 
 def find_pairs(photo: Photo) -> tuple[list[Pair], bool]:
@@ -197,10 +198,10 @@ def _best_pair(colours: Array, body: Mask, width: float, step: float) -> Pair | 
                 best = (tried[0], (*tried[1:], centres, two, ground))
     if best is None:
         return None
-    found, half_width, across, centres, two, _ = best[1]
+    found, half_width, crowd, centres, two, _ = best[1]
     labels = _labelled(colours, body, centres, two)
     others = np.linalg.norm(colours, axis=2) > 0.5 * np.linalg.norm(centres[[*two]], axis=1).min()
-    return Pair(labels, axis, axis.s[rows], found, half_width, step, across, others & (labels == 0))
+    return Pair(labels, axis, axis.s[rows], found, half_width, step, crowd, others & (labels == 0))
 
 
 def _sorted_colours(band: Array) -> Iterator[tuple[np.ndarray, Array]]:
@@ -217,7 +218,7 @@ def _sorted_colours(band: Array) -> Iterator[tuple[np.ndarray, Array]]:
 def _tried(
     kinds: np.ndarray, two: tuple[int, int], u: Array, s: Array
 ) -> tuple[float, Turning, float, float] | None:
-    """Log evidence that two of the colours wind, how, half width, `Pair.across`; None if not."""
+    """Log evidence that two of the colours wind, how, half width, `Pair.crowd`; None if not."""
     spots = np.isin(kinds, two).astype(np.uint8)
     both = cv2.morphologyEx(spots, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8)) > 0
     some = both.any(axis=1)
@@ -237,18 +238,24 @@ def _tried(
     every = [turning(shown, per_section * (1 + ratio) / half, ratio) for ratio in RATIOS]
     length = s[-1] * (1 + np.array(RATIOS)) / half
     best = int(np.argmax([found.gain * reach for found, reach in zip(every, length, strict=True)]))
-    return every[best].gain * length[best], every[best], half, _across(shown)
+    crowd = float(np.mean(crowded(shown)[every[best].winds])) if every[best].winds.any() else 0.0
+    return every[best].gain * length[best], every[best], half, crowd
 
 
-def _across(shown: Array) -> float:
-    """Share of sections (n, m, 3) in which three stretches or more of either strand are seen.
+def crowded(shown: Array) -> Mask:
+    """Sections (n, m, 3) in which one colour is seen on both sides of the other.
 
-    Two strands of one width show two at most: the one behind sticks out on one side.
+    Two strands of one width show that only where they run aslant: whatever the distance between
+    them, the one behind sticks out on one side. Stretches of one colour in a row count once, as
+    gloss may part them.
     """
     a, b = (cv2.morphologyEx(shown[..., k].astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3)))
             for k in (0, 1))  # fmt: skip
-    starts = [(np.diff(strand.astype(int), axis=1, prepend=0) > 0).sum(axis=1) for strand in (a, b)]
-    return float(np.mean(np.sum(starts, axis=0) > 2))
+    stretches, before = np.zeros((2, len(shown)), int)
+    for here in (a.astype(int) - b).T:
+        stretches += (here != 0) & (here != before)
+        before = np.where(here != 0, here, before)
+    return stretches > 2
 
 
 def swaps(a: Mask, b: Mask) -> int:

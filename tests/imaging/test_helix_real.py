@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn.helix import Light, draw_helix
+from drawn.ply import draw_ply
 
 from imaging import Photo, Unmeasurable, read_photo
 from imaging.helix import helices, helix
+from imaging.helix.find import find_pairs
 from imaging.helix.turning import PLACES, WIDE, turning
 
 PHOTOGRAPHS = Path(__file__).parent / "photographs"
@@ -54,3 +57,16 @@ def test_phase_of_a_drawn_band_is_followed(sign):
     error = np.angle(np.exp(1j * (found.phi - phi)))
     assert np.abs(error).max() < 0.3
     assert found.phi[-1] - found.phi[0] == pytest.approx(phi[-1] - phi[0], abs=0.3)
+
+
+@pytest.mark.parametrize(("r", "shine"), [(6.0, 0.3), (12.0, 0.4)])
+def test_gloss_makes_no_four_strands_of_two_and_four_stay_four(r, shine):
+    """A thick pair's highlight parts each strand in two; it was refused as four strands."""
+    light = Light(highlight=shine)
+    pair = draw_helix(r, lambda s: 1 / (16 * r), 5 * 16 * r, phase=4.0, light=light, rng=11)
+    assert not any(found.four for found in find_pairs(Photo(pair.pixels))[0])
+    assert helix(Photo(pair.pixels)).total_link == pytest.approx(4.5, abs=0.6)
+    for seed in (1, 2):
+        ply = draw_ply(r, np.random.default_rng(seed), light=light)
+        with pytest.raises(Unmeasurable, match="four strands"):
+            helix(Photo(ply))
