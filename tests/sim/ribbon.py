@@ -5,9 +5,7 @@ import numpy as np
 from sim import gauss_link, link_density, twist, writhe
 from sim.topology import extended, net_axis, partners
 
-PIECES = (
-    60  # straight pieces as long as an element, so that strands of unequal length have partners
-)
+PIECES = 300  # straight pieces as long as an element: strands whose tips lie apart find partners
 
 
 def lengthened(strand, axis, step):
