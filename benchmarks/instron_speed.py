@@ -76,15 +76,25 @@ def pandas_by_buffer(path: Path) -> pd.DataFrame:
                       for part in parts])  # fmt: skip
 
 
-def seconds(calls: list[Callable[[], object]], repeats: int) -> list[float]:
-    """Return each call's least processor time, taken in turns so that other load hits all alike."""
-    best = [float("inf")] * len(calls)
+def seconds(calls: list[Callable[[], object]], repeats: int) -> np.ndarray:
+    """Return each call's processor time, (repeats, calls), taken in turns."""
+    taken = []
     for _ in range(repeats + 1):
-        for number, call in enumerate(calls):
+        taken.append([])
+        for call in calls:
             start = time.process_time()
             call()
-            best[number] = min(best[number], time.process_time() - start)
-    return best
+            taken[-1].append(time.process_time() - start)
+    return np.array(taken[1:])
+
+
+def compared(calls: list[Callable[[], object]], repeats: int) -> str:
+    """Compare the last call with the best other, turn by turn: other load hits all alike."""
+    taken = seconds(calls, repeats)
+    best = taken[:, np.argmin(np.median(taken[:, :-1], axis=0))]
+    low, middle, high = np.quantile(taken[:, -1] / best, [0.25, 0.5, 0.75])
+    return (f"pandas {np.median(best):.3f} s, instron {np.median(taken[:, -1]):.3f} s,"
+            f" ratio {middle:.2f} ({low:.2f} to {high:.2f})")  # fmt: skip
 
 
 def peak_memory(path: Path) -> float:
@@ -98,7 +108,7 @@ def main() -> None:
     """Print one line per notation."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rows", type=int, default=1_000_000)
-    parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--repeats", type=int, default=11)
     options = parser.parse_args()
     print(f"python {platform.python_version()}, pandas {pd.__version__}, numpy {np.__version__}")
     with tempfile.TemporaryDirectory() as folder:
@@ -106,20 +116,17 @@ def main() -> None:
             path = Path(folder) / "export.csv"
             write(path, options.rows, notation)
             memory = f", peak {peak_memory(path):.2f} GB" if options.rows >= 5_000_000 else ""
-            calls = [partial(pd.read_csv, path, skiprows=2, header=None, **notation[-1]),
-                     partial(instron.read, path)]  # fmt: skip
-            bare, ours = seconds(calls, options.repeats)
+            bare = partial(pd.read_csv, path, skiprows=2, header=None, **notation[-1])
+            calls = [bare, partial(bare, memory_map=True), partial(instron.read, path)]
             size = path.stat().st_size / 1e6
-            print(f"{name}: {options.rows} rows, {size:.0f} MB, pandas {bare:.3f} s, "
-                  f"instron {ours:.3f} s, ratio {ours / bare:.2f}{memory}", flush=True)  # fmt: skip
+            print(f"{name}: {options.rows} rows, {size:.0f} MB, "
+                  f"{compared(calls, options.repeats)}{memory}", flush=True)  # fmt: skip
             if options.rows >= 5_000_000:
                 return
         path = Path(folder) / "buffers.dat"
         write_buffers(path)
         calls = [partial(pandas_by_buffer, path), partial(instron.read, path)]
-        bare, ours = seconds(calls, options.repeats)
-        print(f"200 buffers of 1024 rows: pandas {bare:.3f} s, instron {ours:.3f} s,"
-              f" ratio {ours / bare:.2f}")  # fmt: skip
+        print(f"200 buffers of 1024 rows: {compared(calls, options.repeats)}")
 
 
 if __name__ == "__main__":

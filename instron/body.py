@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from instron.bits import at, bits, pieces
 from instron.blocks import WORDY, is_other_heading, repeated_blocks
 from instron.columns import Told
 from instron.errors import Unreadable
-from instron.layout import Header, find_header, is_row, split_cells
+from instron.layout import Header, find_header, is_row, quotes_are_torn, split_cells
 from instron.marks import QUOTE, TORN, marks_of
 from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
-from instron.source import CHUNK, NEWLINE, Source, refuse_lone_returns
+from instron.source import Source, refuse_lone_returns
 
 BLOCK_HEAD = 8  # lines from the end of a block's rows to the names of the next
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
@@ -170,7 +171,7 @@ def _is_cut(lines: list[str], header: Header, delimiter: str) -> bool:
     it, when cells are missing before it, or when a quote is left open.
     """
     cells = split_cells(lines[-1].rstrip("\r"), delimiter)
-    if lines[-1].count('"') % 2 or len(cells) <= max(header.used()):
+    if quotes_are_torn(lines[-1].rstrip("\r"), delimiter) or len(cells) <= max(header.used()):
         return bool(lines[-1].strip())
     last = len(cells) - 1
     if last not in header.used() or not cells[last]:
@@ -194,18 +195,17 @@ def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> 
     """
     if source.data.find(b'"', start) < 0:
         return True
-    breaks = 0
-    for _, piece in source.chunks(max(start - 1, 0), overlap=2):
-        breaks += int(np.count_nonzero(piece[1 : CHUNK + 1] == NEWLINE))
+    for piece in pieces(np.frombuffer(source.data, dtype=np.uint8), start):
+        quote = bits(piece == QUOTE)
         # Comma, TAB and line ends come before "-"; other such characters make no number anyway.
-        edges = (piece < ord("-")) & (piece != QUOTE)
+        edge = bits(piece < ord("-")) & ~quote
         if delimiter in ";|":
-            edges |= piece == ord(delimiter)
-        if ((piece[1:-1] == QUOTE) > (edges[:-2] | edges[2:])).any():
+            edge |= bits(piece == ord(delimiter))
+        if (quote & ~(at(edge, -1) | at(edge, 1)))[1:-1].any():
             return False
     tail = source.data[-1000:]
     blank = max(tail[len(tail.rstrip(b"\r\n")) :].count(b"\n") - 1, 0)
-    return rows == breaks - blank + (not source.ends_in_newline())
+    return rows == source.count - source.data[:start].count(b"\n") - blank
 
 
 def _first_row_agrees(line: str, delimiter: str, mark: str, values: dict[int, np.ndarray]) -> bool:
@@ -242,11 +242,12 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
         if not line.strip(" \t,;|\"'"):
             continue
         cells = split_cells(line, delimiter)
-        if line.count('"') % 2 and not _is_last_and_open(source, number):
-            raise Unreadable(f"{source.path}: line {number + 1}: a quote is not closed")
         if _QUOTED_WITHIN.search(line):
             raise Unreadable(f"{source.path}: line {number + 1}: quotes within a number")
-        if _PLAIN_ROW.fullmatch(line) or is_row(cells, used):
+        torn = quotes_are_torn(line, delimiter) and (line.count('"') % 2 or is_row(cells, used))
+        if torn and not _is_last_and_open(source, number):
+            raise Unreadable(f"{source.path}: line {number + 1}: a quote is not closed")
+        if not torn and (_PLAIN_ROW.fullmatch(line) or is_row(cells, used)):
             if len(cells) > width and cells[width]:
                 _refuse_wide(source, number, len(cells), width)
             rows.append(number)

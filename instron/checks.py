@@ -43,13 +43,13 @@ def refuse_moved_points(
     column's usual step, of a power of ten, go both ways, and not always from the same level as
     those of a square wave.
     """
-    steps = _steps(values)
-    some = steps[:: len(steps) // 10_000 + 1]
+    every = len(values) // 10_000 + 1
+    some = np.abs(values[1::every] - values[:-1:every])
     usual = float(np.median(some[some > 0])) if some.any() else 0.0
-    if steps.max(initial=0.0) <= 20 * usual:
+    if _largest_step(values) <= 20 * usual:
         return
     least = 0.05 * max(values.max(), -values.min())
-    large = np.flatnonzero(steps > 20 * usual)
+    large = np.flatnonzero(np.abs(np.diff(values)) > 20 * usual)
     before, after = np.abs(values[large]), np.abs(values[large + 1])
     counts = (np.minimum(before, after) > 0) & (np.maximum(before, after) > least)
     large, tens = large[counts], np.log10(after[counts] / before[counts])
@@ -66,14 +66,14 @@ def refuse_moved_points(
     )
 
 
-def _steps(values: np.ndarray) -> np.ndarray:
-    """Return the sizes of all steps, in pieces that fit a core's cache."""
-    steps = np.empty(max(len(values) - 1, 0))
-    for first in range(0, len(steps), PIECE):
+def _largest_step(values: np.ndarray) -> float:
+    """Return the size of the largest step, looked for in pieces that fit a core's cache."""
+    buffer, largest = np.empty(PIECE), 0.0
+    for first in range(0, len(values) - 1, PIECE):
         piece = values[first : first + PIECE + 1]
-        part = steps[first : first + len(piece) - 1]
-        np.abs(np.subtract(piece[1:], piece[:-1], out=part), out=part)
-    return steps
+        steps = np.subtract(piece[1:], piece[:-1], out=buffer[: len(piece) - 1])
+        largest = max(largest, float(steps.max()), -float(steps.min()))
+    return largest
 
 
 def _whole(values: np.ndarray) -> bool:

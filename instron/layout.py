@@ -54,6 +54,15 @@ def split_cells(line: str, delimiter: str) -> list[str]:
     return [cell.strip().strip('"').strip() for cell in cells]
 
 
+def quotes_are_torn(line: str, delimiter: str) -> bool:
+    """Tell whether some quote neither opens nor closes a cell: ``0.1","0.05","5``."""
+    if '"' not in line:
+        return False
+    mark = " " if delimiter == "spaces" else re.escape(delimiter)
+    cell = rf'[ \t]*(?:"(?:[^"]|"")*"[ \t]*|[^"{mark}]*)'
+    return re.fullmatch(rf"{cell}(?:{mark}{cell})*", line) is None
+
+
 def find_header(
     lines: list[str], delimiter: str, start: int = 0, told: Told | None = None
 ) -> Header | None:

@@ -29,7 +29,10 @@ class Ledger:
 
     def spans(self, role: int) -> list[tuple[int, int]]:
         """Return first and last line, from 1, of every run of lines with a role."""
-        edges = np.diff(np.concatenate([[False], self.roles == role, [False]]).astype(np.int8))
+        found = self.roles == role
+        if not found.any():
+            return []
+        edges = np.diff(np.concatenate([[False], found, [False]]).astype(np.int8))
         firsts, stops = np.flatnonzero(edges == 1) + 1, np.flatnonzero(edges == -1)
         return [(int(a), int(b)) for a, b in zip(firsts, stops, strict=True)]
 

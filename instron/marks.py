@@ -5,19 +5,15 @@ be told the marks. Where they do, the answer here is None and every cell is judg
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable
 from mmap import mmap
 
 import numpy as np
 
-CHUNK = 1 << 18  # fits a core's cache
+from instron.bits import at, bits, pieces, within
+
 QUOTE, COMMA, POINT, NEWLINE = b'",.\n'
 ZERO, TEN = np.uint8(ord("0")), np.uint8(10)
-LONGEST_NUMBER = 24  # characters
-LONG_LINE = 1 << 12
-# What may stand before the first digit of a number.
-EDGE = np.zeros(256, dtype=bool)
-EDGE[list(b'"+-;\t| \n')] = True
 # What follows a decimal comma that divides cells by mistake: 0,05 or 1,007.
 TORN = re.compile(rb",[-+]?0\d")
 
@@ -70,112 +66,99 @@ def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str |
         return (",", None) if _proven(COMMA_ALONE, data, start) else None
     text = np.frombuffer(data, dtype=np.uint8)
     for group, decimal in ((COMMA, POINT), (POINT, COMMA)):
-        if _grouped(text, _places(text, start, group), decimal):
-            return None if _some_ungrouped(text, start, decimal) else (chr(decimal), chr(group))
+        if _grouped(text, start, group, decimal):
+            return chr(decimal), chr(group)
     return None
 
 
 def _between_commas(data: mmap | bytes, start: int, point: bool) -> tuple[str, str | None] | None:
     """Return the marks where commas divide the cells and may stand in quotes as well."""
     text = np.frombuffer(data, dtype=np.uint8)
-    for inner in (_not_after_quotes, _within_quotes):
-        grouped = _grouped(text, inner(text, start), POINT)
+    for inner in (_not_after_quote, _InQuotes()):
+        grouped = _grouped(text, start, COMMA, POINT, inner)
         if grouped:
-            return None if _some_ungrouped(text, start, POINT) else (".", ",")
+            return ".", ","
         if grouped is not None:
             proven = not point or _proven(POINT_BETWEEN_COMMAS, data, start)
             return (".", None) if proven else None
     if not point:
         return (",", None) if _proven(COMMA_IN_QUOTES, data, start) else None
-    if not _grouped(text, _places(text, start, POINT), COMMA):
-        return None
-    return None if _some_ungrouped(text, start, COMMA) else (",", ".")
+    return (",", ".") if _grouped(text, start, POINT, COMMA) else None
 
 
-def _grouped(text: np.ndarray, places: Iterator[np.ndarray], decimal: int) -> bool | None:
-    """Tell whether there are any marks at these places, or None if one is not regular."""
-    found = False
-    for some in places:
-        if not _regular(text, some, decimal):
-            return None
-        found |= len(some) > 0
-    return found
+Which = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-def _some_ungrouped(text: np.ndarray, start: int, decimal: int) -> bool:
-    """Tell whether some number has four digits in a row before its decimal mark."""
-    for first in range(max(start - 1, 0), len(text), CHUNK):
-        piece = text[first : first + CHUNK + 4]
-        digit = piece - ZERO < TEN  # unsigned: what is below 0 wraps round
-        four = digit[1:-3] & digit[2:-2] & digit[3:-1] & digit[4:]
-        if (four & ~digit[:-4] & (piece[:-4] != decimal)).any():
-            return True
-    return False
+def _all(piece: np.ndarray, mark: np.ndarray) -> np.ndarray:
+    return mark
 
 
-def _places(text: np.ndarray, start: int, mark: int) -> Iterator[np.ndarray]:
-    for first in range(start, len(text), CHUNK):
-        yield np.flatnonzero(text[first : first + CHUNK] == mark) + first
+def _not_after_quote(piece: np.ndarray, mark: np.ndarray) -> np.ndarray:
+    """Return the marks that no quote precedes: where all cells are quoted, those inside."""
+    return mark & ~at(bits(piece == QUOTE), -1)
 
 
-def _not_after_quotes(text: np.ndarray, start: int) -> Iterator[np.ndarray]:
-    """Yield the commas that no quote precedes: where all cells are quoted, those inside."""
-    for first in range(max(start - 1, 0), len(text), CHUNK):
-        piece = text[first : first + CHUNK + 1]
-        yield np.flatnonzero((piece[1:] == COMMA) & (piece[:-1] != QUOTE)) + first + 1
+class _InQuotes:
+    """The marks inside quotes, where only some cells are quoted; a quote must close in its line."""
+
+    def __init__(self) -> None:
+        self.opened = False
+
+    def __call__(self, piece: np.ndarray, mark: np.ndarray) -> np.ndarray:
+        inside, self.opened = within(bits(piece == QUOTE), self.opened)
+        broken = inside & bits(piece == NEWLINE)
+        return mark & inside | broken  # a line break is no regular mark
 
 
-def _within_quotes(text: np.ndarray, start: int) -> Iterator[np.ndarray]:
-    """Yield the commas inside quotes where only some cells are quoted.
+def _grouped(
+    text: np.ndarray, start: int, group: int, decimal: int, which: Which = _all
+) -> bool | None:
+    """Tell whether ``group`` groups thousands; None if it does so in some numbers only.
 
-    Quotes that are not about a short cell of their own yield place 0, which is never regular.
+    Parameters
+    ----------
+    which
+        Which of the marks count, by a piece of text and where it has any.
     """
-    while start < len(text):
-        stop = _after_newline(text, start + CHUNK)
-        quotes = np.flatnonzero(text[start:stop] == QUOTE) + start
-        opens, closes = quotes[::2], quotes[1::2]
-        if len(opens) != len(closes) or (len(opens) and (closes - opens).max() > LONGEST_NUMBER):
-            yield np.array([0])
-            return
-        yield _commas_between(text, opens, closes)
-        start = stop
+    found, bare = False, []
+    for piece in pieces(text, start):
+        mark = bits(piece == group)
+        counted = which(piece, mark)[1:-1]
+        if not counted.any():
+            bare.append(piece)
+            continue
+        digit, point = _digits(piece), bits(piece == decimal)
+        regular = _regular(digit, mark, point, bits(piece == ZERO))
+        if (counted & ~regular[1:-1]).any() or _four_first(digit, point):
+            return None
+        found = True
+    if not found:
+        return False
+    return None if any(_four_first(_digits(p), bits(p == decimal)) for p in bare) else True
 
 
-def _after_newline(text: np.ndarray, position: int) -> int:
-    """Return where the line after ``position`` starts, or the end of the text."""
-    for first in range(position, len(text), LONG_LINE):
-        ends = np.flatnonzero(text[first : first + LONG_LINE] == NEWLINE)
-        if len(ends):
-            return first + int(ends[0]) + 1
-    return len(text)
+def _digits(piece: np.ndarray) -> np.ndarray:
+    return bits(piece - ZERO < TEN)  # unsigned: what is below 0 wraps round
 
 
-def _commas_between(text: np.ndarray, opens: np.ndarray, closes: np.ndarray) -> np.ndarray:
-    found = [np.empty(0, dtype=opens.dtype)]
-    for offset in range(1, int((closes - opens).max(initial=0))):
-        at = np.minimum(opens + offset, closes)
-        found.append(at[text[at] == COMMA])
-    return np.sort(np.concatenate(found))
-
-
-def _regular(text: np.ndarray, places: np.ndarray, decimal: int) -> bool:
-    """Tell whether every mark groups three digits of a number that has a decimal mark.
+def _regular(
+    digit: np.ndarray, mark: np.ndarray, point: np.ndarray, zero: np.ndarray
+) -> np.ndarray:
+    """Return where a mark would group three digits of a number that has a decimal mark.
 
     One to three digits before it, the first not 0, then exactly three; groups may follow each
-    other, the decimal mark closes the last.
+    other, the decimal mark closes the last. All in bits, see ``bits``.
     """
-    if not len(places):
-        return True
-    if places[0] < 4 or places[-1] + 4 >= len(text):
-        return False
+    first = at(~(digit | mark | point), -1) & digit & ~zero
+    second = at(first, -1) & digit
+    third = at(second, -1) & digit
+    before = at(first | second | third, -1) | at(mark, -4)
+    two = digit & at(digit, 1)
+    three_closed = two & at(digit, 2) & at(mark | point, 3)
+    return before & at(three_closed, 1)
 
-    def digit(offset: int) -> np.ndarray:
-        return text[places + offset] - ZERO < TEN  # unsigned: what is below 0 wraps round
 
-    mark = text[places[0]]
-    two = digit(-2)
-    first = places - 1 - two - (two & digit(-3))
-    before, after = text[first - 1], text[places + 4]
-    opened = (EDGE[before] & (text[first] != ZERO)) | ((before == mark) & (first == places - 3))
-    closed = (after == decimal) | (after == mark)
-    return bool((digit(-1) & opened & closed & digit(1) & digit(2) & digit(3)).all())
+def _four_first(digit: np.ndarray, point: np.ndarray) -> bool:
+    """Tell whether a number starts with four digits in a row, decimals aside."""
+    two = digit & at(digit, 1)
+    return bool((two & at(two, 2) & ~at(digit | point, -1))[1:-1].any())

@@ -192,7 +192,8 @@ def _find(source: Source, told: Told, bare: Sequence[str] | None) -> tuple[str, 
     """Return the delimiter and the first header of the file."""
     for part in ("head", "lines") if len(source.data) > HEAD_BYTES else ("head",):
         lines = getattr(source, part)
-        present = {mark for mark in DELIMITERS if any(mark in line for line in lines)}
+        text = "\n".join(lines)
+        present = {mark for mark in DELIMITERS if mark in text}
         for delimiter in [d for d in DELIMITERS if d in present or d == "spaces"]:
             header = (
                 _told(lines, delimiter, bare) if bare

@@ -317,6 +317,15 @@ def test_ten_thousand_rows_of_garbage_do_not_hang(tmp_path):
             read(tmp_path, garbage)
 
 
+def test_a_row_cut_where_an_even_number_of_quotes_is_left_is_lost(tmp_path):
+    rows = "".join(f'"{i}.5","{i}.25","{3 * i}.125"\n' for i in range(9))
+    log = read(tmp_path, HEAD + rows + '9.5","9.25","2')[0]
+    assert len(log) == 9
+    assert log.attrs["lost_rows"] == 1
+    with pytest.raises(instron.Unreadable, match="line 12: a quote"):
+        read(tmp_path, HEAD + rows + '9.5","9.25","27.125\n"10.5","10.25","30.125"\n')
+
+
 def test_millions_of_mixed_marks_are_no_lost_decimal_point(tmp_path):
     """Several groups and a decimal mark: an English 1,629,770.853, a German 1.629.770,853."""
     values = [351.5, 219633.598, -883.087, 1629770.853, 988.603]
