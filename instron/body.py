@@ -39,6 +39,7 @@ class Body:
     thousands: bool = False
     above: int = 0  # line at which the text above the header starts
     cut: int | None = None  # line that the file's end cuts
+    label: str = ""  # of its specimen, where a column tells
     parts: list["Body"] = field(default_factory=list)  # blocks that make up one test
     warnings: list[str] = field(default_factory=list)
 

@@ -15,7 +15,7 @@ import numpy as np
 from instron.headings import Heading, read_heading
 from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.units import Unit, read_unit
-from instron.words import QUANTITIES, SPECIMEN, plain
+from instron.words import CHANNELS, QUANTITIES, SPECIMEN, plain
 
 FIRST = 100  # rows by which a column is filled or not
 SPARSE = 0.5  # a column filled less than this, up to its last number, belongs to another logger
@@ -206,7 +206,7 @@ def _group(
             return first, _which(quantity, [*best[quantity], *rivals[quantity]])
     count = max(len(forces), len(lengths))
     if len(forces) == len(lengths):
-        if count > 1 and _by_quantity(forces, lengths, times):
+        if count > 1 and len(times) < count and _of_one_test(forces, lengths):
             return first, _which("force", forces)
     elif len(lengths) == 1 and _are_specimens(forces):
         lengths = lengths * count
@@ -221,11 +221,12 @@ def _group(
     return [{q: c[k] for q, c in parts.items() if c} for k in range(count)], ""
 
 
-def _by_quantity(forces: list[Found], lengths: list[Found], times: list[Found]) -> bool:
-    """Tell whether forces stand together and lengths too: sensors of one test, or specimens?"""
+def _of_one_test(forces: list[Found], lengths: list[Found]) -> bool:
+    """Tell whether forces are sensors of one test: numbered channels, or apart from the lengths."""
     (f, x) = ([i for i, _ in forces], [i for i, _ in lengths])
     apart = max(f) < min(x) or max(x) < min(f)
-    return apart and len(times) < len(forces) and not _are_specimens(forces)
+    channels = all(CHANNELS & set(h.kind) for _, h in [*forces, *lengths])
+    return channels or (apart and not _are_specimens(forces))
 
 
 def _are_specimens(columns: list[Found]) -> bool:

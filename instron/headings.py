@@ -44,6 +44,7 @@ _ARITHMETIC = re.compile(
 )
 _CAMEL = re.compile(r"[A-Z]?[a-z\u00df-\u00ff]+|[A-Z]+(?![a-z])|[A-Z]|[^\W\dA-Za-z]+")
 _RATE = re.compile(r"(?i)(?:\bdefault )?\bsampl\w+ rate\b")  # catman: Time 1 - default sample rate
+_CHANNEL = re.compile(r"(?i)^ext\w*[\s_.]*\d$")  # Extension 1: an extensometer's channel
 _QUANTITY_OF = {word: q for q in QUANTITIES for word in WORDS[q]}
 _CLASSES = (OTHER_THINGS, SETPOINT, ERROR, ACTUAL, CROSSHEAD, ABSOLUTE, GAUGE, LENGTHENING,
             SECONDARY, PARTS, NEUTRAL, SPECIMEN)  # fmt: skip
@@ -92,7 +93,7 @@ def read_heading(cell: str, below: str = "") -> Heading:
     return Heading(
         text, name or text, quantity, unit,
         role="setpoint" if every & SETPOINT else "error" if every & ERROR else "",
-        rank=_rank(every),
+        rank=_rank(every) + 8 * (quantity == "displacement" and bool(_CHANNEL.search(name))),
         kind=tuple(filter(None, map(_without_digits, outer))),
         labels=(*labels, *re.findall(r"\d+", name)),
         lengthens=bool(every & LENGTHENING) and unit is not None
@@ -142,7 +143,8 @@ def _belongs(unit: Unit, head: str) -> bool:
     if unit.quantity == "other":
         return (len(unit.text) > 1 or unit.text == "%") and bool(_quantities(head))
     symbol = _without_digits(plain(head)) in SYMBOLS[unit.quantity]
-    return symbol or unit.quantity in _quantities(head)
+    lengthens = unit.quantity == "displacement" and not LENGTHENING.isdisjoint(_words(head))
+    return symbol or lengthens or unit.quantity in _quantities(head)
 
 
 def _unglued(text: str) -> tuple[str, Unit] | None:

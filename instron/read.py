@@ -21,6 +21,7 @@ from instron.checks import (
 from instron.columns import Channel, Specimen, Told
 from instron.errors import NoLog, Unreadable
 from instron.join import joined
+from instron.labels import by_label
 from instron.layout import (
     DELIMITERS,
     Header,
@@ -133,6 +134,7 @@ def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list
     taken = _logs_only(bodies)
     logs = joined(taken, source.head[0].startswith(ONE_TEST))
     _refuse_questions(source, logs)
+    logs = by_label(source, logs, delimiter)
     stated = stated_maxima(_outside(source, bodies, taken), delimiter)
     odd = {body.cut: LOST for body in bodies if body.cut is not None}
     tables = [
@@ -324,7 +326,7 @@ def _provenance(
     label = names[number] if names else specimen_label(facts)
     return {
         "source": str(source.path),
-        "specimen": label or source.path.stem,
+        "specimen": body.label or label or source.path.stem,
         "dialect": {
             "encoding": source.written,
             "newline": source.newline,

@@ -227,7 +227,7 @@ def _refuse_binary(path: Path, start: bytes) -> None:
 def _refuse_foreign(path: Path, data: mmap.mmap | bytes, start: str) -> None:
     """Refuse what is no text table, by its first characters."""
     opening = start[:200].lstrip("\ufeff\u00ef\u00bb\u00bf \r\n\t")
-    if opening.startswith("<"):
+    if re.match(r"<[?!]|<(\w+)", opening) and re.search(r"<\?xml|<!doctype|</\w", start, re.I):
         raise Unreadable(
             f"{path}: line 1: an XML or HTML file, not an export; of a Bluehill sample or method"
             f" (.is_*, .im_*) {BLUEHILL}"

@@ -24,6 +24,7 @@ WORDS = {
     "time": word_set(
         "time zeit prufzeit testzeit laufzeit messzeit temps tiempo tempo czas godzina tid tijd"
         " aika cas ido zaman sure elapsed timestamp время"
+        " час timp vrijeme vreme waktu χρονοσ"
     ),
     "displacement": word_set(
         "extension extn ext crosshead displacement disp displ displcment position pos traverse"
@@ -36,13 +37,15 @@ WORDS = {
         " dist actuator jaw carrera recorrido curso percurso flecha freccia slag stracka rorelse"
         " zdvih dilatacao degistirme cekme crossheadtravel indentation penetration eindringtiefe"
         " standardwegaufnehmer traverseposition querhauptweg hub stauchung abstand"
-        " перемещение удлинение прогиб ход деформация смещение"
+        " перемещение удлинение прогиб ход деформация смещение переміщення видовження encoder"
+        " deplasare alungire pomak pomik hod forskyvning perpindahan μετατοπιση επιμηκυνση"
     ),
     "force": word_set(
         "load force kraft standardkraft prufkraft zugkraft druckkraft last belastung charge effort"
         " carga fuerza forca forza carico sila obciazenie kracht belasting belastning zatizeni ero"
         " terheles kuvvet yuk loadcell weight gewicht voima kraftsensor kraftaufnehmer"
-        " kraftmessdose сила нагрузка усилие"
+        " kraftmessdose сила нагрузка усилие зусилля навантаження forta opterecenje gaya beban"
+        " δυναμη φορτιο"
     ),
 }
 # German and its neighbours glue: Maschinenkraft, Kolbenweg, Messzeit.
@@ -90,7 +93,7 @@ OTHER_THINGS = word_set(
     " drehmoment torsion rotation angle winkel drehwinkel torsional vorkraft maximalkraft"
     " bruchkraft hochstkraft fmax noise offset zero deriv derivative acceleration frequency"
     " amplitude geschw tensao deformacion-unitaria sforzo tension-unitaria gerilme napeti"
-    " temperatur temp humidity power current index stage image frame diameter radius height"
+    " temperatur temp humidity power current index image frame diameter radius height"
     " gap size durchmesser breite dicke diametre epaisseur largeur diametro spessore"
 )
 OTHER_PIECES = ("应变", "应力", "速度", "歪", "応力", "ひずみ", "最大", "強度", "强度", "率",
@@ -140,6 +143,8 @@ PARTS = word_set(
     " west lateral transverse transversal radial shear tangential normal vertical horizontal"
     " channel ch kanal canal voie cell cells sensor sensors lc kmd dms lvdt a b c d i ii iii iv"
 )
+# Of these, what counts the sensors of one machine.
+CHANNELS = word_set("channel ch kanal canal voie cell cells sensor sensors lc kmd dms lvdt axis")
 ACROSS = word_set("lateral transverse transversal radial shear tangential quer horizontal")
 # Says nothing that would tell one column from another.
 NEUTRAL = word_set(

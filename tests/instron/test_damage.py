@@ -326,6 +326,11 @@ def test_a_row_cut_where_an_even_number_of_quotes_is_left_is_lost(tmp_path):
         read(tmp_path, HEAD + rows + '9.5","9.25","27.125\n"10.5","10.25","30.125"\n')
 
 
+def test_a_marker_in_angle_brackets_is_no_xml(tmp_path):
+    marked = "<Scan File>\n<INFO>\nRig:\t4\n<END INFO>\n<DATA>\n" + HEAD
+    assert len(read(tmp_path, marked + "\n".join(body()) + "\n<END DATA>\n")[0]) == 50
+
+
 def test_millions_of_mixed_marks_are_no_lost_decimal_point(tmp_path):
     """Several groups and a decimal mark: an English 1,629,770.853, a German 1.629.770,853."""
     values = [351.5, 219633.598, -883.087, 1629770.853, 988.603]

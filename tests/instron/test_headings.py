@@ -233,3 +233,21 @@ def test_tons_are_read_with_a_word(tmp_path):
     (log,) = read(tmp_path, "Time (s);Extension (mm);Load (ton)", "txF")
     check(log, 9806.65)
     assert "a short ton is 907 kgf" in log.attrs["warnings"][0]
+
+
+def test_channels_of_one_machine_are_no_specimens(tmp_path):
+    with pytest.raises(instron.Unreadable, match="which column is force"):
+        read(tmp_path, "Time (s);Ch 1 Position (mm);Ch 1 Load (N);Ch 2 Position (mm);Ch 2 Load (N)",
+             "txFgo")  # fmt: skip
+
+
+def test_a_numbered_extension_beside_the_position_is_an_extensometer(tmp_path):
+    (log,) = read(tmp_path, "Time (s);Position (mm);Force (N);Extension 1 (mm)", "txFg")
+    check(log)
+
+
+@pytest.mark.parametrize("name", ["Verformung in mm", "Deformation, mm", "compression_mm",
+                                  "Encoder_mm", "Stage Position (mm)"])  # fmt: skip
+def test_a_length_by_its_unit(name, tmp_path):
+    (log,) = read(tmp_path, f"Time (s);{name};Kraft in N", "txF")
+    check(log)

@@ -1,0 +1,56 @@
+"""Tests stacked under one header: told apart by a column of labels, or refused."""
+
+import numpy as np
+import pytest
+
+import instron
+
+N = 30
+T = np.round(np.arange(N) * 0.2, 1)
+X = np.round(T * 0.35, 3)
+F = [np.round(k + 2.5 * np.sin(np.arange(N) / (5 + k)) ** 2, 4) for k in range(3)]
+
+
+def read(tmp_path, header, labels, columns):
+    rows = (
+        ",".join([str(label), *map(str, row)]) for label, *row in zip(labels, *columns, strict=True)
+    )
+    path = tmp_path / "stack.csv"
+    path.write_text("\n".join([header, *rows, ""]))
+    return instron.read(path)
+
+
+@pytest.mark.parametrize("name", ["Specimen", "sample_id", "Test No.", "Probe Nr.", "Run"])
+@pytest.mark.parametrize("labels", [["a", "b", "c"], [1, 2, 3]])
+def test_specimens_of_a_label_column_are_told_apart(name, labels, tmp_path):
+    columns = np.tile(T, 3), np.tile(X, 3), np.concatenate(F)
+    logs = read(tmp_path, f"{name},Time (s),Extension (mm),Load (N)", np.repeat(labels, N), columns)
+    assert [log.attrs["specimen"] for log in logs] == [str(label) for label in labels]
+    for log, force in zip(logs, F, strict=True):
+        np.testing.assert_allclose(log["force"], force)
+        np.testing.assert_allclose(log["time"], T)
+    assert logs[0].attrs["lines"]["data"] == 3 * N
+
+
+def test_without_time_the_displacement_that_starts_anew_tells(tmp_path):
+    columns = np.tile(X, 2), np.concatenate(F[:2])
+    logs = read(tmp_path, "sample,extension_mm,load_N", np.repeat(["p", "q"], N), columns)
+    assert [len(log) for log in logs] == [N, N]
+
+
+def test_a_column_that_counts_rows_or_steps_splits_nothing(tmp_path):
+    for labels in (range(N), np.arange(N) // 10):
+        (log,) = read(tmp_path, "Sample,Time (s),Extension (mm),Load (N)", labels, (T, X, F[0]))
+        np.testing.assert_allclose(log["force"], F[0])
+
+
+def test_tests_appended_without_time_or_label_are_refused(tmp_path):
+    columns = np.tile(X, 2), np.concatenate(F[:2])
+    with pytest.raises(instron.Unreadable, match=r"line 32: displacement jumps from .* in one row"):
+        read(tmp_path, "remark,extension_mm,load_N", ["x"] * (2 * N), columns)
+
+
+def test_a_return_of_the_crosshead_is_no_new_test(tmp_path):
+    there = np.concatenate([X, X[::-1]])
+    (log,) = read(tmp_path, "Run,Extension (mm),Load (N)", [1] * (2 * N), (there, np.tile(F[0], 2)))
+    assert len(log) == 2 * N
