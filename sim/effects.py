@@ -134,14 +134,15 @@ def _ends(scene: Scene, state: State) -> Iterator[tuple[End, int, int, int]]:
 
 
 def driven(scene: Scene, state: State) -> ends_kernel.Driven | None:
-    """Return the ends with a prescribed motion, if any."""
-    found = [each for each in _ends(scene, state) if each[0].motion is not None]
+    """Return the held ends with a prescribed motion or a direction to slide along, if any."""
+    found = [each for each in _ends(scene, state) if each[0].motion or each[0].slides]
     if not found:
         return None
-    motion = np.array([_course(end.motion) for end, *_ in found if end.motion is not None])
     ghost = [ghost if end.hold == "clamped" else -1 for end, _, _, ghost in found]
     return ends_kernel.Driven(
-        np.array([node for _, node, _, _ in found]), np.array(ghost), motion,
+        np.array([node for _, node, _, _ in found]), np.array(ghost),
+        np.array([_course(end.motion or Motion()) for end, *_ in found]),
+        np.array([_unit(end.slides) if end.slides else np.zeros(3) for end, *_ in found]),
         np.zeros(1), np.zeros((len(found), 3)),
     )  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -105,30 +106,47 @@ class Load(Part):
 class End(Part):
     """One end of a rod: how it is held, how it is moved, what pulls on it.
 
-    A clamp holds position and direction, a pin the position alone.
+    A clamp holds position and direction, a pin the position alone; one that `slides` along a
+    direction leaves the position along it free, and what pulls there counts.
     """
 
     hold: Literal["clamped", "pinned", "free"] = "free"
+    slides: Vector | None = None
     motion: Motion | None = None
     load: Load | None = None
 
     @model_validator(mode="after")
     def _held_or_loaded(self) -> End:
-        if self.motion is not None and self.hold == "free":
-            raise ValueError('motion needs an end that is held: hold = "clamped" or "pinned"')
-        if self.load is not None and self.hold == "clamped":
+        for name in ("motion", "slides"):
+            if getattr(self, name) is not None and self.hold == "free":
+                raise ValueError(f'{name} needs an end that is held: hold = "clamped" or "pinned"')
+        if self.load is not None and self.hold == "clamped" and self.slides is None:
             raise ValueError('a load does nothing on a clamped end: hold = "free" or "pinned"')
+        if self.slides is not None and not any(self.slides):
+            raise ValueError("slides = (0, 0, 0): a direction needs a length")
+        if self.slides is not None and self.motion is not None:
+            along = sum(v * u for v, u in zip(self.motion.velocity, self.slides, strict=True))
+            if abs(along) > 1e-9 * math.hypot(*self.motion.velocity) * math.hypot(*self.slides):
+                raise ValueError(
+                    f"motion.velocity = {self.motion.velocity} leads along slides = {self.slides}, "
+                    "where the end is free: move it across that direction, or do not let it slide"
+                )
         return self
 
 
 class Rod(Part):
-    """One strand. `rest` says which shape carries no stress: the drawn one, or a straight rod."""
+    """One strand. `rest` says which shape carries no bending: the drawn one, or a straight rod.
+
+    `stretch` is the length of elements as drawn over the length without tension, one for all or
+    one for each.
+    """
 
     shape: Annotated[Helix | Straight | Points, Field(discriminator="kind")]
     radius: Positive
     elements: Annotated[int, Field(ge=2)]
     material: Material
     rest: Literal["drawn", "straight"] = "drawn"
+    stretch: Positive | list[Positive] = 1.0
     curvature: RandomCurvature | None = None
     root: End = End(hold="clamped")
     tip: End = End()

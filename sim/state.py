@@ -124,8 +124,9 @@ def centreline(rod: Rod) -> Array:
 
 def _fill_rod(state: State, number: int, rod: Rod, scene: Scene) -> None:
     nodes = centreline(rod)
-    lengths = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-    _refuse_shape(number, rod, nodes, lengths)
+    drawn = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
+    _refuse_shape(number, rod, nodes, drawn)
+    lengths = drawn / _stretch(number, rod, len(drawn))
     at = state.nodes(number)
     within = slice(at.start, at.stop - 1)
     directors = shapes.frames(nodes)
@@ -165,6 +166,16 @@ def _refuse_shape(number: int, rod: Rod, nodes: Array, lengths: Array) -> None:
             f"rods.{number}.shape: the strand folds back onto itself by 180 degrees at node "
             f"{int(np.argmin(straightness)) + 1}; round the fold off over several nodes"
         )
+
+
+def _stretch(number: int, rod: Rod, elements: int) -> Array | float:
+    """Return by how much elements are longer as drawn than without tension, (elements,) or one."""
+    if isinstance(rod.stretch, list) and len(rod.stretch) != elements:
+        raise SceneError(
+            f"rods.{number}.stretch: {len(rod.stretch)} values for {elements} elements; give one "
+            "for each, or one for all"
+        )
+    return np.array(rod.stretch)
 
 
 def _refuse_rest(state: State, number: int, at: slice) -> None:
@@ -234,7 +245,8 @@ def _hold(
     """
     if end.hold == "free":
         return
-    state.row("INV_MASS")[node] = 0.0
+    if end.slides is None:
+        state.row("INV_MASS")[node] = 0.0
     if end.hold == "pinned":
         return
     for axis in range(3):

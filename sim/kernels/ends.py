@@ -4,22 +4,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.kernels.compiled import kernel
+from sim.kernels.compiled import formula, kernel
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.vectors import at, cross, dot, minus, push, to_body
+from sim.kernels.vectors import along, at, cross, dot, minus, point, push, put, to_body
 
 
 class Driven(NamedTuple):
-    """Held ends with a prescribed motion.
+    """Held ends with a prescribed motion or a direction to slide along.
 
     `node`, `ghost` (m,): indices of the node and of the clamp's frame, -1 for a pin. `motion`
-    (m, 9): velocity [m/s], spin [rad/s], start, ramp and end [s]. `work` (1,): done by the ends so
-    far [J]. `reaction` (m, 3): sum over steps of the force that the rod puts on its holder [N].
+    (m, 9): velocity [m/s], spin [rad/s], start, ramp and end [s]. `slide` (m, 3): unit direction
+    along which the end is free, or zero. `work` (1,): done by the ends so far [J]. `reaction`
+    (m, 3): sum over steps of the force that the rod puts on its holder [N].
     """
 
     node: np.ndarray
     ghost: np.ndarray
     motion: np.ndarray
+    slide: np.ndarray
     work: np.ndarray
     reaction: np.ndarray
 
@@ -55,29 +57,46 @@ def share_of_full_speed(time, start, ramp, end):
 
 @kernel
 def drive(buf, driven, time):
-    """Give the held nodes and clamps' frames the velocities they have at `time`."""
+    """Give the held nodes and clamps' frames the velocities they have at `time`.
+
+    A sliding node keeps its speed along its direction; what it lacks across is work of its holder.
+    """
     for m in range(driven.node.size):
         motion, i, ghost = driven.motion[m], driven.node[m], driven.ghost[m]
         share = share_of_full_speed(time, motion[6], motion[7], motion[8])
-        buf[V0 + i], buf[V1 + i], buf[V2 + i] = (
-            share * motion[0],
-            share * motion[1],
-            share * motion[2],
-        )
+        v = at(buf, V0, V1, V2, i)
+        free = part_along(v, point(driven.slide, m))
+        given, across = (share * motion[0], share * motion[1], share * motion[2]), minus(v, free)
+        put(buf, V0, V1, V2, i, along(free, 1.0, given))
+        if buf[INV_MASS + i] > 0.0:
+            driven.work[0] += 0.5 * buf[MASS + i] * (dot(given, given) - dot(across, across))
         if ghost >= 0:
             spin = to_body(buf, ghost, (share * motion[3], share * motion[4], share * motion[5]))
             buf[W0 + ghost], buf[W1 + ghost], buf[W2 + ghost] = spin
 
 
+@formula
+def part_along(vector, unit):
+    """Return the part of a vector along a unit vector, or zero."""
+    size = dot(vector, unit)
+    return (size * unit[0], size * unit[1], size * unit[2])
+
+
 @kernel
 def react(buf, driven, dt):
-    """Add up what the rods put on their driven ends: force, and power times dt."""
+    """Add up what the rods put on their driven ends: force, and power times dt.
+
+    What holds a sliding end across its direction takes that part of the force from its node.
+    """
     for m in range(driven.node.size):
         i, ghost = driven.node[m], driven.ghost[m]
         inside = minus(at(buf, N0, N1, N2, i), at(buf, N0, N1, N2, i - 1))
-        force = (buf[F0 + i] + inside[0], buf[F1 + i] + inside[1], buf[F2 + i] + inside[2])
+        force = along(at(buf, F0, F1, F2, i), 1.0, inside)
+        force = minus(force, part_along(force, point(driven.slide, m)))
         for k in range(3):
             driven.reaction[m, k] += force[k]
+        if buf[INV_MASS + i] > 0.0:
+            push(buf, F0, F1, F2, i, force, -1.0)
         driven.work[0] -= dt * dot(force, at(buf, V0, V1, V2, i))
         if ghost >= 0:
             couple = at(buf, L0, L1, L2, i) if ghost < i else at(buf, R0, R1, R2, i)
