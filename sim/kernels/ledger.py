@@ -9,7 +9,7 @@ from sim.kernels.compiled import kernel
 from sim.kernels.contact import GAUSS, contact_interval, wedges
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.rod import kick, logarithm, strain_rate, turning_rate
-from sim.kernels.tine import Tines, tine_interval
+from sim.kernels.tine import Tines, energy_with
 from sim.kernels.touch import touching_loads
 from sim.kernels.vectors import along, at, dot, minus
 
@@ -204,14 +204,7 @@ def tine_energy(buf, n, tines):
     """Return the energy stored in the contact of rods with tines, where they are placed [J]."""
     total = 0.0
     for m in range(tines.geometry.shape[0]):
-        g, now = tines.geometry[m], tines.now[m]
-        middle, axis = (now[3], now[4], now[5]), (g[3], g[4], g[5])
-        q0, q1 = along(middle, -g[6], axis), along(middle, g[6], axis)
         for a in range(n):
-            reach = buf[RADIUS + a] + now[2]
-            p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
-            low, high = tine_interval(p0, p1, q0, q1, reach)
-            if low < high and buf[LENGTH + a] > 0.0:
-                line = tines.stiffness * buf[LENGTH + a]
-                total += pressed(p0, p1, q0, q1, low, high, reach, line)
+            if buf[LENGTH + a] > 0.0:
+                total += energy_with(buf, a, m, tines)
     return total

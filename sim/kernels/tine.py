@@ -6,11 +6,16 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.kernels.compiled import formula, kernel
-from sim.kernels.contact import clip, near_line, press, rubbing_force, surface_velocity
+from sim.kernels.contact import rubbing_force, surface_velocity
+from sim.kernels.curve import curve_of, load_bend, place_on, slope_on
 from sim.kernels.ends import smooth
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.overlap import GAUSS
 from sim.kernels.vectors import along, at, cross, dot, minus, point, push, to_body
+
+# Five Gauss-Legendre points on [0, 1]: a wide tine touches far enough along an element for its
+# curve to be no polynomial of low degree.
+_X, _W = np.polynomial.legendre.leggauss(5)
+GAUSS = tuple((0.5 + 0.5 * x, 0.5 * w) for x, w in zip(_X.tolist(), _W.tolist(), strict=True))
 
 
 class Tines(NamedTuple):
@@ -84,13 +89,11 @@ def tine_forces(buf, n, dt, tines, friction):
     """Add the contact of every element with every tine and sum the reaction on the tine."""
     for m in range(tines.geometry.shape[0]):
         g, now = tines.geometry[m], tines.now[m]
-        middle, axis, half = (now[3], now[4], now[5]), (g[3], g[4], g[5]), g[6]
-        q0, q1 = along(middle, -half, axis), along(middle, half, axis)
+        middle, axis = (now[3], now[4], now[5]), (g[3], g[4], g[5])
         before = tine_power(tines, m)
         for a in range(n):
             if passes_near(buf, a, middle, axis, now[2]):
-                reach = buf[RADIUS + a] + now[2]
-                one_tine(buf, a, m, q0, q1, reach, dt, tines, friction)
+                one_tine(buf, a, m, dt, tines, friction)
             elif friction is not None:
                 tines.slip[m, a, 0] = tines.slip[m, a, 1] = tines.slip[m, a, 2] = 0.0
         tines.work[0] += dt * (tine_power(tines, m) - before)
@@ -112,99 +115,165 @@ def passes_near(buf, a, middle, axis, radius):
 
 
 @formula
-def tine_interval(p0, p1, q0, q1, reach):
-    """Return the interval of s on segment p that may touch the cylinder with axis q0 q1."""
-    u, w0, w1 = minus(q1, q0), minus(p0, q0), minus(p1, q0)
-    cap = reach * math.sqrt(dot(u, u))
-    low, high = near_line(0.0, 1.0, w0, w1, u, reach)
-    if low < high:
-        low, high = clip(low, high, dot(w0, u) + cap, dot(w1, u) + cap)
-    if low < high:
-        low, high = clip(low, high, cap - dot(minus(p0, q1), u), cap - dot(minus(p1, q1), u))
-    return low, high
+def facing_tine(buf, a, m, tines):
+    """Return the curve of element a as seen from the start of tine m, its axis, and the reach."""
+    g, now = tines.geometry[m], tines.now[m]
+    axis, half = (g[3], g[4], g[5]), g[6]
+    start, chord, first, last = curve_of(buf, X0, X1, X2, a)
+    start = minus(start, along((now[3], now[4], now[5]), -half, axis))
+    u = (2.0 * half * axis[0], 2.0 * half * axis[1], 2.0 * half * axis[2])
+    return (start, chord, first, last), u, buf[RADIUS + a] + now[2]
+
+
+@formula
+def gap_at(curve, s, u):
+    """Return the vector to a curve at s from the next place on the axis u, and where that is."""
+    w = place_on(curve, s)
+    t = min(max(dot(w, u) / dot(u, u), 0.0), 1.0)
+    return along(w, -t, u), t
+
+
+@formula
+def outside(curve, s, u, reach):
+    """Return squared distance less reach^2 of a curve at s from an axis, and half its slope."""
+    gap, _ = gap_at(curve, s, u)
+    return dot(gap, gap) - reach * reach, dot(gap, slope_on(curve, s))
 
 
 @kernel
-def one_tine(buf, a, m, q0, q1, reach, dt, tines, friction):
+def border(curve, inside, beyond, u, reach):
+    """Return where touching ends between a place that touches and one that does not.
+
+    Newton's method, kept between the two by bisection.
+    """
+    s = 0.5 * (inside + beyond)
+    for _ in range(60):
+        value, slope = outside(curve, s, u, reach)
+        inside, beyond = (s, beyond) if value < 0.0 else (inside, s)
+        new = s - 0.5 * value / slope if slope != 0.0 else beyond
+        if not min(inside, beyond) < new < max(inside, beyond):
+            new = 0.5 * (inside + beyond)
+        if abs(new - s) < 1e-14:
+            break
+        s = new
+    return s
+
+
+@kernel
+def nearest(curve, u):
+    """Return the place on a curve that is nearest to an axis, by bisection of the slope."""
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        s = 0.5 * (low + high)
+        _, slope = outside(curve, s, u, 0.0)
+        low, high = (low, s) if slope > 0.0 else (s, high)
+    return s
+
+
+@kernel
+def tine_interval(curve, u, reach):
+    """Return the part of a curve that touches the cylinder with axis u, as [low, high]."""
+    at_0, slope_0 = outside(curve, 0.0, u, reach)
+    at_1, slope_1 = outside(curve, 1.0, u, reach)
+    if at_0 >= 0.0 and at_1 >= 0.0:
+        if slope_0 >= 0.0 or slope_1 <= 0.0:
+            return 0.0, 0.0
+        inside = nearest(curve, u)
+        if outside(curve, inside, u, reach)[0] >= 0.0:
+            return 0.0, 0.0
+    else:
+        inside = 0.0 if at_0 < 0.0 else 1.0
+    low = border(curve, inside, 0.0, u, reach) if at_0 >= 0.0 else 0.0
+    return low, border(curve, inside, 1.0, u, reach) if at_1 >= 0.0 else 1.0
+
+
+@kernel
+def energy_with(buf, a, m, tines):
+    """Return the energy stored in the contact of element a with tine m [J]."""
+    curve, u, reach = facing_tine(buf, a, m, tines)
+    low, high = tine_interval(curve, u, reach)
+    line, total = tines.stiffness * buf[LENGTH + a] * (high - low), 0.0
+    for node, weight in GAUSS:
+        gap, _ = gap_at(curve, low + (high - low) * node, u)
+        deep = max(reach - math.sqrt(dot(gap, gap)), 0.0)
+        total += 0.5 * line * weight * deep * deep
+    return total
+
+
+@kernel
+def one_tine(buf, a, m, dt, tines, friction):
     """Add the contact of element a with tine m."""
-    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
-    low, high = tine_interval(p0, p1, q0, q1, reach)
+    curve, u, reach = facing_tine(buf, a, m, tines)
+    low, high = tine_interval(curve, u, reach)
     if low >= high:
         if friction is not None:
             tines.slip[m, a, 0] = tines.slip[m, a, 1] = tines.slip[m, a, 2] = 0.0
         return
-    line = tines.stiffness * buf[LENGTH + a]
-    force, first_s, total, sum_s, sum_t = press_tine(
-        buf, a, q0, q1, low, high, reach, line, tines.now[m], tines.motion[m], tines.viscous
+    spring = tines.stiffness * buf[LENGTH + a] * (high - low)
+    force, total, sum_s = press_tine(
+        buf, a, m, curve, u, low, high, reach, spring, tines, tines.viscous
     )
-    push(buf, F0, F1, F2, a, minus(force, first_s), 1.0)
-    push(buf, F0, F1, F2, a + 1, first_s, 1.0)
     tines.work[0] += dt * total * tines.now[m, 6]  # a growing tine pushes along the normal
     if friction is not None and total > 0.0:
-        spring = line * (high - low)
-        f = rub_tine(buf, a, m, sum_s / total, sum_t / total, total, spring, dt, tines, friction)
+        f = rub_tine(buf, a, m, curve, u, sum_s / total, total, spring, dt, tines, friction)
         force = along(force, 1.0, f)
     for k in range(3):
         tines.load[m, k] -= force[k]
 
 
 @kernel
-def press_tine(buf, a, q0, q1, low, high, reach, line, now, motion, viscous):
-    """Return force [N], its first moment over s, its sum, and that weighted by s and by t."""
-    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
-    if viscous is not None:
-        v0, v1 = at(buf, V0, V1, V2, a), at(buf, V0, V1, V2, a + 1)
-        drive = (now[1] * motion[0], now[1] * motion[1], now[1] * motion[2])
-        v0, v1, growth = minus(v0, drive), minus(v1, drive), now[6]
-        return press_damped(
-            p0, p1, q0, q1, v0, v1, growth, low, high, reach, line, viscous
-        )  # fmt: skip
-    force, first_s, _, total, sum_s, sum_t = press(p0, p1, q0, q1, low, high, reach, line)
-    return force, first_s, total, sum_s, sum_t
+def press_tine(buf, a, m, curve, u, low, high, reach, spring, tines, viscous):
+    """Add the contact of element a with a tine over [low, high] to the nodes.
 
-
-@kernel
-def press_damped(p0, p1, q0, q1, v0, v1, growth, low, high, reach, line, viscous):
-    """Integrate k (overlap + T d(overlap)/dt), which nowhere pulls, over the contact.
-
-    The overlap grows as the segment, its ends moving at v0 and v1 past the axis, comes nearer to
-    it, and as the tine grows [m/s].
+    Returns the force [N], the sum of its magnitudes and that sum weighted by s.
     """
-    w0, dp, u, dv = minus(p0, q0), minus(p1, p0), minus(q1, q0), minus(v1, v0)
-    inverse = 1.0 / (dot(u, u) + 1e-300)
-    force = first_s = (0.0, 0.0, 0.0)
-    total = sum_s = sum_t = 0.0
+    force = by_s = first = last = (0.0, 0.0, 0.0)
+    total = sum_s = 0.0
     for node, weight in GAUSS:
         s = low + (high - low) * node
-        w = along(w0, s, dp)
-        t = min(max(dot(w, u) * inverse, 0.0), 1.0)
-        gap = along(w, -t, u)
+        gap, _ = gap_at(curve, s, u)
         distance = math.sqrt(dot(gap, gap)) + 1e-300
-        rate = growth - dot(along(v0, s, dv), gap) / distance
-        deep = reach - distance
-        size = line * (high - low) * weight * max(deep + viscous * rate, 0.0)
-        size = size if deep > 0.0 else 0.0
-        force = along(force, size / distance, gap)
-        first_s = along(first_s, s * size / distance, gap)
-        total += size
-        sum_s += size * s
-        sum_t += size * t
-    return force, first_s, total, sum_s, sum_t
+        deep = max(reach - distance, 0.0)
+        if viscous is not None:
+            deep = damped(buf, a, m, s, gap, distance, deep, tines, viscous)
+        size = spring * weight * deep
+        unit, off = size / distance, -s * (1.0 - s) * size / distance
+        force, by_s = along(force, unit, gap), along(by_s, unit * s, gap)
+        first, last = along(first, off * (2.0 - s), gap), along(last, off * (1.0 + s), gap)
+        total, sum_s = total + size, sum_s + size * s
+    push(buf, F0, F1, F2, a, minus(force, by_s), 1.0)
+    push(buf, F0, F1, F2, a + 1, by_s, 1.0)
+    load_bend(buf, a, a, first)
+    load_bend(buf, a, a + 1, last)
+    return force, total, sum_s
 
 
 @kernel
-def rub_tine(buf, a, m, s, t, normal, spring, dt, tines, friction):
-    """Add the friction of element a on tine m and return the force on the element [N]."""
-    g, now, motion = tines.geometry[m], tines.now[m], tines.motion[m]
-    dp = minus(at(buf, X0, X1, X2, a + 1), at(buf, X0, X1, X2, a))
-    x = along(at(buf, X0, X1, X2, a), s, dp)
-    on_axis = along((now[3], now[4], now[5]), (2.0 * t - 1.0) * g[6], (g[3], g[4], g[5]))
-    to_tine = minus(on_axis, x)
+def damped(buf, a, m, s, gap, distance, deep, tines, viscous):
+    """Return overlap + T d(overlap)/dt at s on element a [m], which nowhere pulls.
+
+    The overlap grows as the element comes nearer to the axis and as the tine grows.
+    """
+    now, motion = tines.now[m], tines.motion[m]
+    v = place_on(curve_of(buf, V0, V1, V2, a), s)
+    v = along(v, -now[1], (motion[0], motion[1], motion[2]))
+    rate = now[6] - dot(v, gap) / distance
+    return max(deep + viscous * rate, 0.0) if deep > 0.0 else 0.0
+
+
+@kernel
+def rub_tine(buf, a, m, curve, u, s, normal, spring, dt, tines, friction):
+    """Add the friction of element a at s on tine m and return the force on the element [N]."""
+    now, motion = tines.now[m], tines.motion[m]
+    gap, _ = gap_at(curve, s, u)
+    to_tine = (-gap[0], -gap[1], -gap[2])
     share = buf[RADIUS + a] / (buf[RADIUS + a] + now[2])
-    arm = (share * to_tine[0], share * to_tine[1], share * to_tine[2])
+    arm = along(minus(place_on(curve, s), along(curve[0], s, curve[1])), share, to_tine)
     drive = (now[1] * motion[0], now[1] * motion[1], now[1] * motion[2])
     velocity = minus(surface_velocity(buf, a, s, arm), drive)
-    f = rubbing_force(velocity, to_tine, dp, normal, spring, dt, friction, tines.slip[m, a])
+    f = rubbing_force(
+        velocity, to_tine, slope_on(curve, s), normal, spring, dt, friction, tines.slip[m, a]
+    )
     push(buf, F0, F1, F2, a, f, 1.0 - s)
     push(buf, F0, F1, F2, a + 1, f, s)
     push(buf, C0, C1, C2, a, to_body(buf, a, cross(arm, f)), 1.0)

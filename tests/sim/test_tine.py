@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from sim.explicit import Explicit
-from sim.kernels.overlap import press
-from sim.kernels.tine import press_damped, travelled
+from sim.kernels.tine import place, tine_forces, travelled
 from sim.scene import Contact, Damping, End, Friction, Load, Material, Rod, Scene, Straight, Tine
 
 DRAG = 30.0
@@ -53,7 +52,8 @@ def test_a_strand_thrown_at_a_damped_tine_comes_back_as_a_dashpot_lets_it(bounce
 
     Speeds after and before: exp(-z/sqrt(1 - z^2) atan2(2 z sqrt(1 - z^2), 2 z^2 - 1)), z of
     critical damping (Schwager & Poeschel, Granular Matter 9, 465 (2007)). The tine takes the
-    change of momentum.
+    change of momentum. A load that is the same all along is not so on the nodes next to a free end,
+    which bends no further: the ends are left to quiver by 2 % of the speed.
     """
     rod = bar(root=(0.0091, 0, 0.05), E=1e7).model_copy(update={"root": End()})
     k, line_density = 1e5, 1000 * np.pi * 0.004**2
@@ -70,19 +70,29 @@ def test_a_strand_thrown_at_a_damped_tine_comes_back_as_a_dashpot_lets_it(bounce
     root = np.sqrt(1 - bounce**2)
     kept = np.exp(-bounce / root * np.arctan2(2 * bounce * root, 2 * bounce**2 - 1))
     after = march.state.row("V0")[at]
-    np.testing.assert_allclose(after, 0.5 * kept, rtol=0.01)
-    gained = np.sum(march.state.row("MASS")[at] * (after + 0.5))
+    mass = march.state.row("MASS")[at]
+    assert np.average(after, weights=mass) == pytest.approx(0.5 * kept, rel=0.01)
+    np.testing.assert_allclose(after, 0.5 * kept, rtol=0.03)
+    gained = np.sum(mass * (after + 0.5))
     assert march.take_load()[0, 0] * march.dt == pytest.approx(-gained, rel=1e-9)
 
 
 def test_a_dashpot_of_no_strength_presses_as_the_bare_spring(rng):
-    """Contact that the tine's growth or the strand's approach would deepen, at T = 0."""
-    for _ in range(20):
-        p0, p1, q0, q1, v0, v1 = (tuple(row) for row in rng.standard_normal((6, 3)))
-        bare = press(p0, p1, q0, q1, 0.1, 0.8, 1.5, 7.0)
-        damped = press_damped(p0, p1, q0, q1, v0, v1, 0.3, 0.1, 0.8, 1.5, 7.0, 0.0)
-        for mine, theirs in zip(damped, (bare[0], bare[1], *bare[3:]), strict=True):
-            np.testing.assert_allclose(mine, theirs, rtol=1e-12, atol=1e-14)
+    """A strand that moves through a tine which grows, at T = 0."""
+    tine = Tine(position=(0.009, 0, -0.05), axis=(0.1, 1, 0.2), length=0.1, radius=0.008,
+                insertion=0.1)  # fmt: skip
+    march = Explicit(Scene(rods=[bar()], duration=1, tines=[tine]))
+    state, forces = march.state, []
+    for name in ["X0", "X1", "X2", "V0", "V1", "V2"]:
+        state.row(name)[state.nodes(0)] += rng.normal(0, 3e-4, 25)
+    place(march.tines, 0.09)
+    for viscous in [None, 0.0]:
+        for name in ["F0", "F1", "F2"]:
+            state.row(name)[:] = 0
+        tine_forces(state.buf, state.n, march.dt, march.tines._replace(viscous=viscous), None)
+        forces.append(state.rows("F0 F1 F2").copy())
+    assert np.abs(forces[0]).max() > 0
+    np.testing.assert_allclose(*forces, rtol=1e-12, atol=1e-14)
 
 
 def test_two_tines_of_a_comb_feel_what_each_would_feel_alone():
