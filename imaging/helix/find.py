@@ -8,6 +8,7 @@ much better they wind than lie still.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import cv2
@@ -30,6 +31,8 @@ MOST = 8  # bodies, the largest, that are looked at
 LONG = 5.0  # body widths; a shorter body is no pair
 COLOURS = (3, 4)  # that the pixels of a band are sorted into, the ground's among them
 RATIOS = (1.0, 1.5, 2.3)  # helix radius over strand radius
+COARSE = 3  # every so many sections tell which colours and which R/r may be right
+NEARLY = 0.8  # of the best there; the better ones are compared in all sections
 SWAPS = 4  # changes of colour on the midline: two turns
 GAIN = 2.5  # log evidence a strand radius; less is chance
 AGREED = 0.85  # of what is seen of the strands, on average where they wind
@@ -189,19 +192,66 @@ def _best_pair(colours: Array, body: Mask, width: float, step: float) -> Pair | 
     at = [xy[..., 1], xy[..., 0]]
     band = np.stack([map_coordinates(c, at, order=1, mode="nearest") for c in
                      np.moveaxis(colours, -1, 0)], axis=-1)  # fmt: skip
-    best: tuple[float, tuple] | None = None
-    for kinds, centres in _sorted_colours(band):
-        ground = int(np.linalg.norm(centres, axis=1).argmin())
-        for two in combinations([k for k in range(len(centres)) if k != ground], 2):
-            tried = _tried(kinds, two, u, axis.s[rows])
-            if tried is not None and (best is None or tried[0] > best[0]):
-                best = (tried[0], (*tried[1:], centres, two, ground))
-    if best is None:
+    tried = [
+        (one, centres, two)
+        for kinds, centres in _sorted_colours(band)
+        for two in combinations(_strands_of(centres), 2)
+        for one in _tries(kinds, two, u, axis.s[rows])
+    ]
+    if not tried:
         return None
-    found, half_width, crowd, centres, two, _ = best[1]
+    most = max(one.coarsely for one, *_ in tried)
+    near = [some for some in tried if some[0].coarsely >= most - (1 - NEARLY) * abs(most)]
+    best, centres, two = max(near, key=lambda some: some[0].finely)
     labels = _labelled(colours, body, centres, two)
     others = np.linalg.norm(colours, axis=2) > 0.5 * np.linalg.norm(centres[[*two]], axis=1).min()
-    return Pair(labels, axis, axis.s[rows], found, half_width, step, crowd, others & (labels == 0))
+    return Pair(
+        labels, axis, axis.s[rows], best.found, best.half, step, best.crowd, others & (labels == 0)
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Try:
+    """Two colours taken for strands of a ``ratio`` R/r: what (n, PLACES, 3) the sections show.
+
+    ``half`` is the pair's half width and ``apart`` the distance between sections [px].
+    """
+
+    shown: Array
+    half: float
+    apart: float
+    ratio: float
+
+    @cached_property
+    def found(self) -> Turning:
+        """How they turn."""
+        return self._from_every(1)
+
+    @property
+    def crowd(self) -> float:
+        """Share of the sections where they wind that are `crowded`."""
+        winds = self.found.winds
+        return float(crowded(self.shown)[winds].mean()) if winds.any() else 0.0
+
+    @cached_property
+    def finely(self) -> float:
+        """Log evidence that they wind, per length."""
+        return self.found.gain * (1 + self.ratio) / self.half
+
+    @cached_property
+    def coarsely(self) -> float:
+        """Return the same from fewer sections."""
+        return self._from_every(COARSE).gain * (1 + self.ratio) / self.half
+
+    def _from_every(self, stride: int) -> Turning:
+        step = stride * self.apart * (1 + self.ratio) / self.half
+        return turning(self.shown[::stride], step, self.ratio)
+
+
+def _strands_of(centres: Array) -> list[int]:
+    """All colours but the ground's, the one nearest to nothing."""
+    ground = int(np.linalg.norm(centres, axis=1).argmin())
+    return [k for k in range(len(centres)) if k != ground]
 
 
 def _sorted_colours(band: Array) -> Iterator[tuple[np.ndarray, Array]]:
@@ -215,31 +265,25 @@ def _sorted_colours(band: Array) -> Iterator[tuple[np.ndarray, Array]]:
         yield np.asarray(kinds).reshape(band.shape[:2]), np.asarray(centres)
 
 
-def _tried(
-    kinds: np.ndarray, two: tuple[int, int], u: Array, s: Array
-) -> tuple[float, Turning, float, float] | None:
-    """Log evidence that two of the colours wind, how, half width, `Pair.crowd`; None if not."""
+def _tries(kinds: np.ndarray, two: tuple[int, int], u: Array, s: Array) -> list[_Try]:
+    """Take two of the colours for strands, near and apart; none where they do not take turns."""
     spots = np.isin(kinds, two).astype(np.uint8)
     both = cv2.morphologyEx(spots, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8)) > 0
     some = both.any(axis=1)
     if some.sum() < SWAPS:
-        return None
+        return []
     first, last = u[np.argmax(both, axis=1)], u[len(u) - 1 - np.argmax(both[:, ::-1], axis=1)]
-    n, per_section = np.arange(len(both)), (s[-1] - s[0]) / (len(s) - 1)
+    n, apart = np.arange(len(both)), (s[-1] - s[0]) / (len(s) - 1)
     middle = np.interp(n, n[some], (0.5 * (first + last))[some])
     half = max(float(np.percentile(0.5 * (last - first)[some], 70)), 2.0)
-    middle = gaussian_filter1d(median_filter(middle, 5), 2 * half / per_section, mode="nearest")
+    middle = gaussian_filter1d(median_filter(middle, 5), 2 * half / apart, mode="nearest")
     places = middle[:, None] + np.linspace(-WIDE, WIDE, PLACES) * half
     column = np.rint((places - u[0]) / (u[1] - u[0])).astype(int)
     seen = np.take_along_axis(kinds, column.clip(0, len(u) - 1), axis=1)
     if swaps(seen == two[0], seen == two[1]) < SWAPS:
-        return None
+        return []
     shown = np.stack([seen == two[0], seen == two[1], ~np.isin(seen, two)], axis=-1)
-    every = [turning(shown, per_section * (1 + ratio) / half, ratio) for ratio in RATIOS]
-    length = s[-1] * (1 + np.array(RATIOS)) / half
-    best = int(np.argmax([found.gain * reach for found, reach in zip(every, length, strict=True)]))
-    crowd = float(np.mean(crowded(shown)[every[best].winds])) if every[best].winds.any() else 0.0
-    return every[best].gain * length[best], every[best], half, crowd
+    return [_Try(shown, half, apart, ratio) for ratio in RATIOS]
 
 
 def crowded(shown: Array) -> Mask:

@@ -8,15 +8,15 @@ the one of independent points: the residuals' variance nearby times their correl
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_matrix, diags, hstack
 
-from imaging.helix.chain import inverse, solve
+from imaging.helix.banded import Bordered, Rows, inverse, log_determinant, solve
 from imaging.helix.edges import OUTER, Edges
 from imaging.helix.model import Model, feet, positions
 from imaging.helix.prior import ABRUPT, PENALISED, STRAIGHTER, Prior, first_prior
-from imaging.helix.splines import basis
+from imaging.helix.splines import weights
 
 Array = np.ndarray
 Mask = np.ndarray
@@ -36,8 +36,8 @@ class Fit:
     Attributes
     ----------
     model : Model
-    covariance : (p, p) array
-        Posterior covariance of the unknowns.
+    certainty : Bordered
+        Inverse of the posterior covariance of the sorted unknowns.
     prior : Prior
         Penalties, as estimated.
     freedom : dict
@@ -51,12 +51,18 @@ class Fit:
     """
 
     model: Model
-    covariance: Array
+    certainty: Bordered
     prior: Prior
     freedom: dict[str, float]
     noise: float
     correlation: float
     residual: Array
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Posterior covariance (p, p) of the unknowns."""
+        rank = self.model.layout.rank
+        return inverse(self.certainty.dense())[np.ix_(rank, rank)]
 
 
 def fit_best(first: Fit, edges: Edges, held: dict[str, Mask], rounds: int = 6) -> Fit:
@@ -90,19 +96,21 @@ def fit(model: Model, edges: Edges, prior: Prior, rounds: int = 6) -> Fit:
     rounds : int
         Gauss-Newton steps.
     """
+    layout, order = model.layout, model.layout.order
     for _ in range(rounds):
         residual, design = _linearised(model, edges)
         noise, correlation, precision = _noise(model, residual, edges)
-        information = (design.T @ diags(precision) @ design).toarray()
-        target = design.T @ (precision * residual) + information @ model.beta
+        information = _information(model, design, precision)
+        moved = residual + design.times(model.beta[order])
+        target = design.transposed(precision * moved, layout.size)
         if prior.seen is not None:
-            target[model.layout.blocks["mid"]] += np.prod(prior.seen, axis=0)
-        beta, prior = _penalised(model, information, target, prior)
-        model = model.moved(beta)
-    covariance = inverse(_stiffened(model, _held(model, information, prior), prior))
-    freedom = _freedom(model, information, covariance)
+            target[layout.rank[layout.blocks["mid"]]] += np.prod(prior.seen, axis=0)
+        x, prior = _penalised(model, information, target, prior)
+        model = model.moved(x[layout.rank])
+    certainty = prior.stiffened(_held(model, information, prior))
+    freedom = _freedom(model, information, certainty)
     residual, _ = _linearised(model, edges)
-    return Fit(model, covariance, prior, freedom, noise, correlation, residual)
+    return Fit(model, certainty, prior, freedom, noise, correlation, residual)
 
 
 def miss(residual: Array, edges: Edges, s: Array, reach: float) -> Array:
@@ -127,10 +135,8 @@ def widened(fitted: Fit, edges: Edges) -> Fit:
     """Return a fit whose covariance holds that the places of abrupt changes are not known."""
     residual, design = _linearised(fitted.model, edges)
     precision = _noise(fitted.model, residual, edges)[2]
-    information = (design.T @ diags(precision) @ design).toarray()
-    held = _held(fitted.model, information, fitted.prior)
-    wide = _stiffened(fitted.model, held, fitted.prior.blunted())
-    return replace(fitted, covariance=inverse(wide))
+    held = _held(fitted.model, _information(fitted.model, design, precision), fitted.prior)
+    return replace(fitted, certainty=fitted.prior.blunted().stiffened(held))
 
 
 def evidence(fitted: Fit, edges: Edges, precision: Array) -> float:
@@ -139,15 +145,17 @@ def evidence(fitted: Fit, edges: Edges, precision: Array) -> float:
     The bound holds for any mean and covariance of the unknowns, so fits may be compared at one
     precision.
     """
-    model, covariance = fitted.model, fitted.covariance
+    model, x = fitted.model, fitted.model.beta[fitted.model.layout.order]
     residual, design = _linearised(model, edges)
-    information = (design.T @ diags(precision) @ design).toarray()
-    bound = -0.5 * float(precision @ residual**2) - 0.5 * float(np.sum(covariance * information))
-    bound += 0.5 * float(np.linalg.slogdet(covariance)[1])
-    return bound + fitted.prior.expected(*_penalised_parts(model, model.beta, covariance))
+    information = _information(model, design, precision)
+    covariance = solve(fitted.certainty, x)[1]
+    bound = -0.5 * float(precision @ residual**2)
+    bound -= 0.5 * float(covariance.row_products(information).sum())
+    bound -= 0.5 * log_determinant(fitted.certainty)
+    return bound + fitted.prior.expected(x, covariance)
 
 
-def _linearised(model: Model, edges: Edges) -> tuple[Array, csr_matrix]:
+def _linearised(model: Model, edges: Edges) -> tuple[Array, Rows]:
     """How far edges lie outside the model's outline, and the derivative of the outline (n, p)."""
     table, strand, layout = model.table, edges.strand, model.layout
     s = feet(model, strand, edges.s, edges.points)
@@ -162,18 +170,30 @@ def _linearised(model: Model, edges: Edges) -> tuple[Array, csr_matrix]:
     c, d = np.cos(v.phi), np.sin(v.phi)
     turn = e * v.R * (across * v.lean * d - along * c)
     leaning = e * v.R * along * d
-    design = hstack(
-        [
-            diags(e * v.R * (along * v.lean * c - across * d)) @ basis(layout.phi, s),
-            diags(across) @ basis(layout.mid, s) + diags(turn) @ basis(layout.mid, s, 1),
-            diags(e * (across * c + along * v.lean * d)) @ basis(layout.R, s),
-            diags(leaning) @ basis(layout.lean, s),
-            csr_matrix(leaning[:, None] * model.sight(s)),
-            csr_matrix(np.eye(8)[edges.kind]),
-        ],
-        format="csr",
-    )
+    factors = {
+        "phi": e * v.R * (along * v.lean * c - across * d),
+        "mid": across,
+        "R": e * (across * c + along * v.lean * d),
+        "lean": leaning,
+    }
+    columns, values = [], []
+    for name, factor in factors.items():
+        first, spline = weights(getattr(layout, name), s)
+        columns.append(layout.blocks[name].start + first[:, None] + np.arange(4))
+        values.append(factor[:, None] * spline)
+    values[1] += turn[:, None] * weights(layout.mid, s, 1)[1]
+    common = np.column_stack([np.zeros_like(edges.kind), 1 + edges.kind])
+    columns.append(layout.blocks["sight"].start + common)
+    values += [leaning[:, None] * model.sight(s), np.ones((len(s), 1))]
+    design = Rows(layout.rank[np.hstack(columns)], np.hstack(values))
     return distance - model.part("radii")[edges.kind], design
+
+
+def _information(model: Model, design: Rows, precision: Array) -> Bordered:
+    """Return what the edges tell of the sorted unknowns."""
+    layout = model.layout
+    nothing = Bordered.zero(layout.size - layout.shared, layout.shared, layout.width)
+    return nothing.plus(design, precision)
 
 
 def _noise(model: Model, residual: Array, edges: Edges) -> tuple[float, float, Array]:
@@ -216,44 +236,34 @@ def _correlation(residual: Array, good: Mask) -> float:
 
 
 def _penalised(
-    model: Model, information: Array, target: Array, prior: Prior
+    model: Model, information: Bordered, target: Array, prior: Prior
 ) -> tuple[Array, Prior]:
-    """Solve the penalised normal equations, re-estimating the prior: unknowns, prior."""
-    layout, diagonal = model.layout, np.diag(information)
+    """Solve the penalised normal equations, re-estimating the prior: sorted unknowns, prior."""
+    layout, diagonal = model.layout, information.diagonal
     held = _held(model, information, prior)
-    target = target + _ridge(information) * model.beta
-    stiffest = {name: EVEN * float(diagonal[layout.blocks[name]].max()) for name in PENALISED}
+    target = target + _ridge(information) * model.beta[layout.order]
+    stiffest = {k: EVEN * float(diagonal[layout.rank[layout.blocks[k]]].max()) for k in PENALISED}
     stiffest["lean"] = STRAIGHTER
     for _ in range(UPDATES):
-        matrix = _stiffened(model, held, prior)
-        beta, near = solve(matrix, target, layout.cells, layout.shared)
-        prior = prior.updated(*_penalised_parts(model, beta, near), stiffest)
-    return beta, prior
+        x, near = solve(prior.stiffened(held), target)
+        prior = prior.updated(x, near, stiffest)
+    return x, prior
 
 
-def _penalised_parts(
-    model: Model, beta: Array, covariance: Array
-) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Unknowns and covariance of each penalised block."""
-    where = {name: model.layout.blocks[name] for name in PENALISED}
-    return {k: beta[w] for k, w in where.items()}, {k: covariance[w, w] for k, w in where.items()}
-
-
-def _ridge(information: Array) -> Array:
+def _ridge(information: Bordered) -> Array:
     """Hold where they are unseen stretches, which have neither data nor penalty."""
-    diagonal = np.diag(information)
+    diagonal = information.diagonal
     return 1e-9 * diagonal + 1e-9 * diagonal.mean()
 
 
-def _held(model: Model, information: Array, prior: Prior) -> Array:
+def _held(model: Model, information: Bordered, prior: Prior) -> Bordered:
     """Add to the information in the data what is known beforehand but for smoothness."""
-    blocks = model.layout.blocks
-    matrix = information + np.diag(_ridge(information))
+    blocks, known = model.layout.blocks, np.zeros(model.layout.size)
     if prior.seen is not None:
-        matrix[blocks["mid"], blocks["mid"]] += np.diag(prior.seen[0])
-    facing = blocks["lean"]
-    matrix[facing, facing] += np.eye(facing.stop - facing.start) / FACING**2
-    matrix[blocks["radii"], blocks["radii"]] += np.kron(np.eye(2), _shading(*prior.shading))
+        known[blocks["mid"]] = prior.seen[0]
+    known[blocks["lean"]] = 1 / FACING**2
+    matrix = information.on_diagonal(_ridge(information) + known[model.layout.order])
+    matrix.corner[1:, 1:] += np.kron(np.eye(2), _shading(*prior.shading))
     return matrix
 
 
@@ -267,15 +277,7 @@ def _shading(alike: float, apart: float) -> Array:
     return np.outer(both, both) / alike**2 + np.outer(one, one) / apart**2
 
 
-def _stiffened(model: Model, held: Array, prior: Prior) -> Array:
-    """Add smoothness."""
-    matrix = held.copy()
-    for name, penalty in prior.penalties().items():
-        where = model.layout.blocks[name]
-        matrix[where, where] += penalty
-    return matrix
-
-
-def _freedom(model: Model, information: Array, covariance: Array) -> dict[str, float]:
-    share = np.einsum("ij,ji->i", covariance, information)
+def _freedom(model: Model, information: Bordered, certainty: Bordered) -> dict[str, float]:
+    covariance = solve(certainty, np.zeros(model.layout.size))[1]
+    share = covariance.row_products(information)[model.layout.rank]
     return {name: float(share[where].sum()) for name, where in model.layout.blocks.items()}

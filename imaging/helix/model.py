@@ -16,7 +16,6 @@ from functools import cached_property
 import numpy as np
 
 from imaging.helix.axis import Axis
-from imaging.helix.chain import Cells, cells_of
 from imaging.helix.splines import curve
 
 Array = np.ndarray
@@ -55,16 +54,32 @@ class Layout:
         }
 
     @cached_property
-    def cells(self) -> Cells:
-        """Unknowns of the splines in cells that are coupled to their neighbours only."""
-        splines = (self.phi, self.mid, self.R, self.lean)
-        place = np.concatenate([knot[2:-2] for knot in splines])
-        return cells_of(place, 4 * max(float(knot[1] - knot[0]) for knot in splines))
+    def order(self) -> np.ndarray:
+        """Unknowns sorted by their place along the axis; those of the whole axis stand last."""
+        place = np.concatenate([knot[2:-2] for knot in self._splines])
+        return np.r_[np.argsort(place, kind="stable"), len(place) : self.size]
+
+    @cached_property
+    def rank(self) -> np.ndarray:
+        """Where each unknown stands among the sorted ones."""
+        return np.argsort(self.order)
+
+    @cached_property
+    def width(self) -> int:
+        """How far apart two sorted unknowns stand at most whose splines overlap."""
+        low, high = (np.concatenate([k[side] for k in self._splines])[self.order[: -self.shared]]
+                     for side in (slice(None, -4), slice(4, None)))  # fmt: skip
+        i, j = np.nonzero((low[:, None] < high) & (low < high[:, None]))
+        return int(np.abs(i - j).max())
 
     @property
-    def shared(self) -> slice:
-        """Unknowns that belong to the whole axis."""
-        return slice(self.blocks["sight"].start, self.size)
+    def _splines(self) -> tuple[Array, ...]:
+        return self.phi, self.mid, self.R, self.lean
+
+    @property
+    def shared(self) -> int:
+        """Number of unknowns that belong to the whole axis."""
+        return self.size - self.blocks["sight"].start
 
     @property
     def size(self) -> int:

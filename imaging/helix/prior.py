@@ -4,9 +4,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
-from scipy.sparse import csr_array, diags_array
 from scipy.special import digamma, gammaln
 
+from imaging.helix.banded import Bordered, Rows
 from imaging.helix.model import Model
 from imaging.helix.space import heading
 
@@ -25,9 +25,9 @@ LEAST_BEND = 0.02  # rad a pitch
 class Prior:
     """How stiff each block of unknowns is: sum of weight * local * difference^2.
 
-    The weight varies along the axis: it is that of differences within ``reach``, mixed with those
-    of the whole stretch between two gaps (``groups``). A kink is not as smooth as what hangs
-    below it, and what a tine has combed not as even as what it has not.
+    The weight varies along the axis: it is that of differences nearby, mixed with those of the
+    whole stretch between two gaps (``groups``), by the matrices ``means``. A kink is not as smooth
+    as what hangs below it, and what a tine has combed not as even as what it has not.
 
     Differences may be few and large, as where the link density steps: they are taken to follow
     Student's distribution with ABRUPT degrees of freedom, so that the local weight falls where a
@@ -41,40 +41,34 @@ class Prior:
     both strands alike, and those of one against those of the other.
     """
 
-    differences: dict[str, csr_array]
+    differences: dict[str, Rows]
     groups: dict[str, np.ndarray]
-    reach: dict[str, float]
+    means: dict[str, Array]
     tail: float = ABRUPT
     seen: tuple[Array, Array] | None = None
     shading: tuple[float, float] = (0.2, 0.2)
     weights: dict[str, Array] = field(default_factory=dict)
     local: dict[str, Array] = field(default_factory=dict)
 
-    def penalties(self) -> dict[str, Array]:
-        """Return D' diag(weight * local) D of each block."""
-        return {
-            name: (d.T @ diags_array(self._stiffness(name)) @ d).toarray()
-            for name, d in self.differences.items()
-        }
+    def stiffened(self, matrix: Bordered) -> Bordered:
+        """Add D' diag(weight * local) D of each block."""
+        for name, d in self.differences.items():
+            matrix = matrix.plus(d, self._stiffness(name))
+        return matrix
 
-    def updated(
-        self,
-        beta: dict[str, Array],
-        covariance: dict[str, Array],
-        stiffest: dict[str, float],
-    ) -> "Prior":
-        """Re-estimate the weights from the unknowns (Fellner-Schall; expectation of Student's).
+    def updated(self, x: Array, covariance: Bordered, stiffest: dict[str, float]) -> "Prior":
+        """Re-estimate the weights from the sorted unknowns x (Fellner-Schall; Student's mean).
 
         w <- (m - w tr(V S)) / (beta' S beta), Wood & Fasiolo, Biometrics 73 (2017), with sums
         over nearby differences.
         """
         weights, local = {}, dict(self.local)
         for name, d in self.differences.items():
-            here = self.local.get(name, np.ones(d.shape[0]))
-            spread = _variances(d, covariance[name])
-            size = (d @ beta[name]) ** 2
+            here = self.local.get(name, np.ones(len(d.values)))
+            spread = d.spread(covariance)
+            size = d.times(x) ** 2
             held, seen = (
-                _nearby(value, self.groups[name], self.reach[name])
+                self.means[name] @ value
                 for value in (self.weights.get(name, 1.0) * here * spread, here * size)
             )
             free = np.maximum(1 + STRETCH - held, 1e-6)
@@ -87,7 +81,7 @@ class Prior:
 
     def _stiffness(self, name: str) -> Array:
         """Weight of each difference."""
-        ones = np.ones(self.differences[name].shape[0])
+        ones = np.ones(len(self.differences[name].values))
         return self.weights.get(name, 1.0) * self.local.get(name, 1.0) * ones
 
     @property
@@ -106,24 +100,24 @@ class Prior:
 
     def localised(self, model: Model) -> "Prior":
         """Return the prior with a smoothness of the phase that varies along the axis."""
-        reach = self.reach | {"phi": REACH * model.pitch / _spacing(model, "phi")}
-        return replace(self, reach=reach)
+        near = _means(self.groups["phi"], REACH * model.pitch / _spacing(model, "phi"))
+        return replace(self, means=self.means | {"phi": near})
 
     def fresh(self, tail: float) -> "Prior":
         """Return the prior with nothing estimated yet, and this ``tail`` of the phase's."""
-        return Prior(self.differences, self.groups, self.reach, tail, self.seen, self.shading)
+        return Prior(self.differences, self.groups, self.means, tail, self.seen, self.shading)
 
-    def expected(self, beta: dict[str, Array], covariance: dict[str, Array]) -> float:
-        """Mean log density of unknowns with these means and covariances (a lower bound).
+    def expected(self, x: Array, covariance: Bordered) -> float:
+        """Mean log density of sorted unknowns of this mean and covariance (a lower bound).
 
         Local weights follow Gamma(n/2, n/2), which makes the differences Student's with n degrees
         of freedom (Tipping & Lawrence, Neurocomputing 69 (2005)).
         """
         total = 0.0
         for name, d in self.differences.items():
-            spread = _variances(d, covariance[name])
+            spread = d.spread(covariance)
             weight, tail = self.weights[name], self.tails[name]
-            size = weight * ((d @ beta[name]) ** 2 + spread)
+            size = weight * (d.times(x) ** 2 + spread)
             total += float(np.sum(0.5 * np.log(weight) + _gain(size, tail)))
             # Where the prior alone decides, the bound is loose by as much as at size 1.
             undecided = float(np.sum(weight * self.local.get(name, 1.0) * spread))
@@ -142,21 +136,21 @@ def first_prior(model: Model, held: dict[str, Mask]) -> Prior:
         lies before and behind a tine is fitted apart.
     """
     differences = {name: _differences(model, name, held[name]) for name in PENALISED}
-    differences["lean"] = diags_array(1 / _bend(model)[held["lean"]]) @ differences["lean"]
+    lean, bend = differences["lean"], _bend(model)[held["lean"]]
+    differences["lean"] = replace(lean, values=lean.values / bend[:, None])
     groups = {name: _groups(held[name]) for name in PENALISED}
     reach = {name: REACH * model.pitch / _spacing(model, name) for name in PENALISED}
     reach["phi"] = np.inf
-    return Prior(differences, groups, reach, SMOOTH)
+    means = {name: _means(groups[name], reach[name]) for name in PENALISED}
+    return Prior(differences, groups, means, SMOOTH)
 
 
-def _differences(model: Model, name: str, held: Mask) -> csr_array:
-    """Differences D (m, size) of one block of unknowns, those not ``held`` left out."""
-    return csr_array(np.diff(np.eye(len(model.part(name))), n=PENALISED[name], axis=0)[held])
-
-
-def _variances(differences: csr_array, covariance: Array) -> Array:
-    """Variances of differences; only covariances of near neighbours enter."""
-    return np.asarray(differences.multiply(differences @ covariance).sum(axis=1))
+def _differences(model: Model, name: str, held: Mask) -> Rows:
+    """Differences of one block of unknowns, those not ``held`` left out."""
+    order, layout = PENALISED[name], model.layout
+    places = layout.blocks[name].start + np.flatnonzero(held)[:, None] + np.arange(order + 1)
+    signs = np.diff(np.eye(order + 1), n=order, axis=0)
+    return Rows(layout.rank[places], np.repeat(signs, len(places), axis=0))
 
 
 def _bend(model: Model) -> Array:
@@ -182,19 +176,18 @@ def _spacing(model: Model, name: str) -> float:
     return float(knots[1] - knots[0])
 
 
-def _nearby(values: Array, groups: np.ndarray, reach: float) -> Array:
-    """Mean over nearby values of the same group, plus STRETCH times the mean over all of it."""
-    mean = np.empty(len(values))
+def _means(groups: np.ndarray, reach: float) -> Array:
+    """Matrix of the mean over near values of a group, plus STRETCH times that over all of it."""
+    means = np.zeros((len(groups), len(groups)))
     for group in np.unique(groups):
-        own = groups == group
-        if np.isinf(reach):
-            mean[own] = (1 + STRETCH) * values[own].mean()
-            continue
-        near, count = (
-            gaussian_filter1d(v, reach, mode="constant") for v in (values[own], np.ones(own.sum()))
-        )
-        mean[own] = near / count + STRETCH * values[own].mean()
-    return mean
+        own = np.flatnonzero(groups == group)
+        all_alike = np.full((len(own), len(own)), 1 / len(own))
+        near = all_alike
+        if np.isfinite(reach):
+            near = gaussian_filter1d(np.eye(len(own)), reach, axis=0, mode="constant")
+            near /= near.sum(axis=1, keepdims=True)
+        means[np.ix_(own, own)] = near + STRETCH * all_alike
+    return means
 
 
 def _gain(size: Array, tail: float) -> Array:

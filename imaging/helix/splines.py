@@ -19,20 +19,20 @@ def basis(knot: Array, s: Array, derivative: int = 0) -> csr_array:
     Where all knots are apart by the same, the four splines that are not zero are polynomials of
     the place between two knots (ten times as fast as the recurrence for any knots).
     """
-    first, weights = _weights(knot, s, derivative)
+    first, values = weights(knot, s, derivative)
     columns = first[:, None] + np.arange(4)
     rows = 4 * np.arange(len(first) + 1)
     shape = (len(first), len(knot) - 4)
-    return csr_array((weights.ravel(), columns.ravel(), rows), shape=shape)
+    return csr_array((values.ravel(), columns.ravel(), rows), shape=shape)
 
 
 def curve(knot: Array, coefficients: Array, s: Array, derivative: int = 0) -> Array:
     """Value or first derivative of a spline at arclengths ``s``."""
-    first, weights = _weights(knot, s, derivative)
-    return np.einsum("ij,ij->i", weights, coefficients[first[:, None] + np.arange(4)])
+    first, values = weights(knot, s, derivative)
+    return np.einsum("ij,ij->i", values, coefficients[first[:, None] + np.arange(4)])
 
 
-def _weights(knot: Array, s: Array, derivative: int) -> tuple[np.ndarray, Array]:
+def weights(knot: Array, s: Array, derivative: int = 0) -> tuple[np.ndarray, Array]:
     """First of the four splines that are not zero, and their values (n, 4)."""
     h = knot[1] - knot[0]
     place = (np.clip(s, knot[3], knot[-4]) - knot[3]) / h

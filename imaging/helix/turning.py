@@ -9,6 +9,7 @@ fibres that stand off, or a shadow, spoil some sections, not the count.
 from dataclasses import dataclass
 from functools import lru_cache
 
+import numba
 import numpy as np
 
 Array = np.ndarray
@@ -140,53 +141,83 @@ def _agreement(shown: Array, pictures: Array) -> Array:
     return same[best] / np.maximum(same[best] + other[best], 1.0)
 
 
-def _hopped(p: Array) -> Array:
-    """Let the rate go to its neighbours."""
-    out = (1 - 2 * HOP) * p
-    out[1:] += HOP * p[:-1]
-    out[:-1] += HOP * p[1:]
-    return out
-
-
-def _mover(move: Array) -> Array:
-    """Matrices (rates, phases, phases) that turn a distribution on by each rate's cells.
-
-    Between two cells it is shared; from the right they turn it back.
-    """
-    whole = np.floor(move).astype(int)
-    part = (move - whole)[:, None, None]
-    cells = np.arange(PHASES)
-    ahead = (cells - cells[:, None] - whole[:, None, None]) % PHASES
-    return np.where(ahead == 0, 1 - part, 0) + np.where(ahead == 1, part, 0)
-
-
 def _walk(emitted: Array, move: Array) -> tuple[float, Array]:
     """Log evidence, and distribution (n, rates, phases) of the states (forward-backward)."""
     top = emitted.max(axis=(1, 2), keepdims=True)
-    likely = np.exp(emitted - top)
-    forth = _mover(move).astype(likely.dtype)
-    posterior, totals = np.empty_like(likely), np.empty(len(likely))
-    p = np.full_like(likely[0], 1 / likely[0].size)
-    for t, seen in enumerate(likely):
-        if t:
-            p = np.matmul(_hopped(p)[:, None], forth)[:, 0]
-        p = p * seen
-        totals[t] = p.sum()
-        p /= totals[t]
-        posterior[t] = p
-    back = np.ones_like(p)
-    for t in range(len(likely) - 2, -1, -1):
-        back = _hopped(np.matmul(forth, (back * likely[t + 1])[..., None])[..., 0])
-        back /= back.sum()
-        posterior[t] *= back
-        posterior[t] /= max(posterior[t].sum(), 1e-30)
+    posterior = np.exp(emitted - top)
+    totals = np.empty(len(posterior))
+    whole = np.floor(move)
+    _forth_and_back(posterior, whole.astype(int), (move - whole).astype(np.float32), totals)
     return float(np.log(totals).sum() + top.sum()), posterior
 
 
+@numba.njit(cache=True)
+def _forth_and_back(likely, whole, part, totals):
+    """Turn likelihoods (n, rates, phases) into the distribution of the states."""
+    n = len(likely)
+    seen = likely.copy()
+    p = np.full(likely.shape[1:], 1 / likely[0].size, likely.dtype)
+    moved = p.copy()
+    for t in range(n):
+        if t:
+            _hop(p, moved)
+            _move(moved, whole, part, p)
+        p *= seen[t]
+        totals[t] = p.sum()
+        p /= totals[t]
+        likely[t] = p
+    back = np.ones_like(p)
+    for t in range(n - 2, -1, -1):
+        back *= seen[t + 1]
+        _move_back(back, whole, part, moved)
+        _hop(moved, back)
+        back /= back.sum()
+        likely[t] *= back
+        likely[t] /= max(likely[t].sum(), 1e-30)
+
+
+@numba.njit(cache=True)
+def _hop(p, out):
+    """Let the rate go to its neighbours."""
+    rates = len(p)
+    for r in range(rates):
+        for c in range(p.shape[1]):
+            beside = (p[r - 1, c] if r else 0.0) + (p[r + 1, c] if r < rates - 1 else 0.0)
+            out[r, c] = (1 - 2 * HOP) * p[r, c] + HOP * beside
+
+
+@numba.njit(cache=True)
+def _move(p, whole, part, out):
+    """Turn a distribution on by each rate's cells, shared between two."""
+    phases = p.shape[1]
+    for r in range(len(p)):
+        for c in range(phases):
+            at = (c - whole[r]) % phases
+            out[r, c] = (1 - part[r]) * p[r, at] + part[r] * p[r, at - 1]
+
+
+@numba.njit(cache=True)
+def _move_back(p, whole, part, out):
+    """Bring to each state what those weigh that it turns into (the transpose of `_move`)."""
+    phases = p.shape[1]
+    for r in range(len(p)):
+        for c in range(phases):
+            at = (c + whole[r]) % phases
+            out[r, c] = (1 - part[r]) * p[r, at] + part[r] * p[r, (at + 1) % phases]
+
+
 def _still(emitted: Array) -> float:
-    """Log evidence (n, phases) for strands whose phase only wanders."""
-    p, evidence = np.full(PHASES, 1 / PHASES), float(emitted.max(axis=1).sum())
-    for seen in np.exp(emitted - emitted.max(axis=1, keepdims=True)):
+    """Log evidence of (n, phases) for strands whose phase only wanders."""
+    top = emitted.max(axis=1, keepdims=True)
+    return float(top.sum() + _wander(np.exp(emitted - top).astype(float)))
+
+
+@numba.njit(cache=True)
+def _wander(likely):
+    """Log evidence of likelihoods (n, phases)."""
+    phases = likely.shape[1]
+    p, evidence = np.full(phases, 1 / phases), 0.0
+    for seen in likely:
         p = ((1 - 2 * WANDER) * p + WANDER * (np.roll(p, 1) + np.roll(p, -1))) * seen
         total = p.sum()
         evidence += np.log(total)

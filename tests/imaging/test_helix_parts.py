@@ -1,7 +1,5 @@
 """The pieces of the helix measurement: drawing, axis, half-turns, visible edges, the fit."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from drawn.helix import (
@@ -15,7 +13,7 @@ from scipy.interpolate import BSpline
 from scipy.ndimage import gaussian_filter1d
 
 from imaging.helix.axis import axis_through, find_axis
-from imaging.helix.chain import cells_of, inverse, solve
+from imaging.helix.banded import Bordered, Rows, inverse, log_determinant, solve
 from imaging.helix.count import HalfTurns, Look, first_phase, half_turns
 from imaging.helix.edges import CONTACT, HIDDEN, OUTER, visible
 from imaging.helix.fit import _correlation
@@ -205,22 +203,37 @@ def test_a_spline_slope_is_that_of_its_curve():
         np.testing.assert_allclose(basis(knot, s, order) @ coefficients, wanted, atol=1e-12)
 
 
-def test_a_chain_of_unknowns_is_solved_and_inverted_near_its_diagonal():
-    """Unknowns in any order, coupled within 0.9 of their places, and three coupled to all."""
+def test_a_banded_matrix_is_solved_and_inverted_within_its_band():
+    """Ninety unknowns coupled to at most six on either side, and three coupled to all."""
     rng = np.random.default_rng(3)
-    place, seen = rng.uniform(0, 12, 90), rng.uniform(0, 12, 400)
-    near = rng.normal(size=(400, 90)) * (np.abs(seen[:, None] - place) < 0.45)
-    design = np.hstack([near, rng.normal(size=(400, 3))])
-    matrix, right = design.T @ design + 0.1 * np.eye(93), rng.normal(size=93)
-    cells = cells_of(place, 0.9)
-    x, found = solve(matrix, right, cells, slice(90, 93))
-    np.testing.assert_allclose(x, np.linalg.solve(matrix, right), atol=1e-10)
-    wanted = np.linalg.inv(matrix)
-    np.testing.assert_allclose(inverse(matrix), wanted, atol=1e-10)
-    for first, second in pairwise(cells):
-        for one in (first, second, np.arange(90, 93)):
-            where = np.ix_(first, one)
-            np.testing.assert_allclose(found[where], wanted[where], atol=1e-10)
+    columns = np.hstack(
+        [
+            rng.integers(0, 84, 400)[:, None] + np.arange(7),
+            90 + np.arange(3) * np.ones((400, 1), int),
+        ]
+    )
+    rows, precision = Rows(columns, rng.normal(size=(400, 10))), rng.uniform(0, 1, 400)
+    design = np.zeros((400, 93))
+    np.put_along_axis(design, columns, rows.values, axis=1)
+    information = Bordered.zero(90, 3, 6).plus(rows, precision)
+    np.testing.assert_allclose(information.dense(), design.T * precision @ design, atol=1e-12)
+    matrix = information.on_diagonal(np.full(93, 0.1))
+    whole, right = matrix.dense(), rng.normal(size=93)
+    x, found = solve(matrix, right)
+    np.testing.assert_allclose(x, np.linalg.solve(whole, right), atol=1e-10)
+    wanted = np.linalg.inv(whole)
+    np.testing.assert_allclose(inverse(whole), wanted, atol=1e-10)
+    inside = found.dense() != 0
+    np.testing.assert_allclose(found.dense()[inside], wanted[inside], atol=1e-10)
+    np.testing.assert_allclose(
+        found.row_products(information), np.diag(wanted @ information.dense()), atol=1e-9
+    )
+    assert log_determinant(matrix) == pytest.approx(np.linalg.slogdet(whole)[1])
+    np.testing.assert_allclose(rows.times(x), design @ x)
+    np.testing.assert_allclose(rows.transposed(precision, 93), design.T @ precision)
+    some = Rows(columns[:, :7], rows.values[:, :7])
+    spread = np.einsum("ij,jk,ik->i", design[:, :90], wanted[:90, :90], design[:, :90])
+    np.testing.assert_allclose(some.spread(found), spread)
 
 
 def test_outlines_lie_one_radius_from_the_centreline():
