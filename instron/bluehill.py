@@ -1,5 +1,6 @@
 """Write a force log the way Bluehill 3 exports raw data."""
 
+import math
 import os
 import tempfile
 from collections.abc import Mapping
@@ -9,6 +10,7 @@ import pandas as pd
 
 TITLES = {"time": "Time", "displacement": "Extension", "force": "Load"}
 PER_SI = {"s": 1.0, "mm": 1e3, "N": 1.0, "mN": 1e3, "kN": 1e-3}
+SIGNIFICANT = 6
 
 
 def write_bluehill(
@@ -33,7 +35,8 @@ def write_bluehill(
     force_unit
         ``"N"``, ``"mN"`` or ``"kN"``.
     decimals
-        Digits after the decimal point of every number.
+        Digits after the decimal point, at least; a column gets more where its largest number
+        would have fewer than SIGNIFICANT digits (a log of 2 uN in N).
     """
     path = Path(path)
     units = {"time": "s", "displacement": "mm", "force": force_unit}
@@ -41,11 +44,19 @@ def write_bluehill(
     lines = [f"{key},{_quoted(value)}" for key, value in (metadata or {}).items()]
     lines += [""] if lines else []
     lines += [",".join(TITLES.values()), ",".join(f"({unit})" for unit in units.values())]
-    rows = table.to_csv(
-        header=False, index=False, float_format=f"%.{decimals}f", lineterminator="\r\n"
-    )
+    for column in table:
+        table[column] = table[column].map(f"{{:.{_decimals(table[column], decimals)}f}}".format)
+    rows = table.to_csv(header=False, index=False, lineterminator="\r\n")
     _replace(path, "".join(line + "\r\n" for line in lines) + rows)
     return path
+
+
+def _decimals(column: pd.Series, least: int) -> int:
+    """Return how many decimals leave the largest number of a column enough digits."""
+    largest = float(column.abs().max())
+    if not 0 < largest < math.inf:
+        return least
+    return max(least, SIGNIFICANT - 1 - math.floor(math.log10(largest)))
 
 
 def _quoted(value: object) -> str:

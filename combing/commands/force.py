@@ -326,6 +326,9 @@ def _write(
     """Write all results into a temporary folder first, so that none stays half-written."""
     if output.exists() and not output.is_dir():
         raise UserError(f"{output}: is a file; -o wants a folder")
+    # matplotlib takes longer to import than most files to read.
+    from combing.figures.repeats import draw_repeats
+
     room = _room_beside(output)
     try:
         _write_tables(room, curves, result, theory)
@@ -333,7 +336,7 @@ def _write(
             pd.DataFrame(skipped, columns=["file", "reason"]).to_csv(
                 room / "skipped.csv", index=False
             )
-        draw(curves, result, theory, room / "force")
+        draw_repeats(curves, result, theory, room / "force")
         _write_section(room, curves, result)
         output.mkdir(exist_ok=True)
         for path in room.iterdir():
@@ -387,38 +390,6 @@ def _tidy(tables: list[pd.DataFrame]) -> pd.DataFrame:
                              "file": _file(table)}, index=table.index)  # fmt: skip
         parts.append(pd.concat([part, pd.DataFrame(table.to_dict("series"))], axis=1))
     return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
-
-
-def draw(
-    curves: list[pd.DataFrame],
-    result: instron.Repeats | None,
-    theory: pd.DataFrame | None,
-    stem: Path,
-) -> None:
-    """Draw mean +- sd as a grey band, the representative in black, theory dashed (PNG and SVG)."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    from combing.figures.style import write_pictures
-
-    figure = Figure(figsize=(4.2, 3.2), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots()
-    shown = curves[result.used[result.representative] if result else 0]
-    if result is not None:
-        grid = result.grid
-        axes.fill_between(grid["x"], grid["mean"] - grid["sd"], grid["mean"] + grid["sd"],
-                          color="0.8", lw=0, label=f"mean ± sd of {len(result.used)}")  # fmt: skip
-        axes.plot(grid["x"], grid["mean"], color="0.55", lw=1)
-    inside = shown[(shown["x"] >= 0) & (shown["x"] <= 1.02)]
-    axes.plot(inside["x"], inside["f"], color="k", lw=0.8, label=shown.attrs.get("specimen"))
-    if theory is not None:
-        axes.plot(theory["x"], theory["f"], "k--", lw=1, label="one helix stretched (Love)")
-    axes.set(xlabel="$x = d/D$", ylabel="$f = l_0^2 F/B$", xlim=(0, 1))
-    axes.set_ylim(bottom=min(0, float(inside["f"].min())))
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, fontsize=8)
-    write_pictures(figure, stem, dpi=200)
 
 
 def _write_section(room: Path, curves: list[pd.DataFrame], result: instron.Repeats | None) -> None:
