@@ -16,6 +16,7 @@ ROUNDS = 5  # of centring that stretch on the place found
 CHI2 = 3.84  # 95 % of chi-squared with one degree of freedom ...
 JUMP = 7.35  # ... and of the same for the place of a jump (Hansen, Econometrica 68, 575, 2000)
 WIDTH = 1.96
+SURE = 4.0  # sd
 
 
 @dataclass(frozen=True)
@@ -87,16 +88,34 @@ def find_end(
         return End(float(d[-1]), np.nan, np.nan, False, threshold, rule, [note])
     level = rig.end_fraction * peak
     D, low, high = float(d[last]), 0.0, 0.0
+    first = 0  # row from which the fall is looked for
     for _ in range(ROUNDS):
         before = D
-        D, low, high = _fall(d, F, before, length, level, noise)
-        if abs(D - before) < length / FINE:
+        D, low, high = _fall(d[first:], F[first:], before, length, level, noise)
+        until = float(d[last]) - length / 2
+        beyond = (d > D) & (d <= until)
+        if _goes_on(F[beyond], level, noise[0] * _colour(noise, length, d)):
+            first, D = int(np.argmax(beyond)), until  # one of two releases close together
+        elif abs(D - before) < length / FINE:
             break
     if D <= 0:
         raise Unscalable(f"{name}: the force is above {threshold:.3g} N only at the start")
     notes = [_said(touches, D)] if touches else []
     notes += _loose(d, smooth, threshold, length, D)
     return End(D, low, high, True, threshold, rule, notes)
+
+
+def _goes_on(F: np.ndarray, level: float, sd: float) -> bool:
+    """Tell whether readings are above ``level`` in the mean, by SURE of its standard deviation."""
+    return len(F) > 2 and float(F.mean()) > level + SURE * sd / np.sqrt(len(F))
+
+
+def _colour(noise: tuple[float, float], length: float, d: np.ndarray) -> float:
+    """Return by how much more noise averaging leaves than it would of white noise."""
+    step = float(np.median(np.diff(d)))
+    if noise[0] == 0:
+        return 1.0
+    return max(1.0, noise[1] / noise[0] * np.sqrt(max(1.0, length / step)))
 
 
 def _last_row(
@@ -158,9 +177,7 @@ def _fall(
     step = float(np.median(np.diff(d)))
     least = max(0.0, float(min(one[0].min() for one in (ramps, curves, steps))))
     variance = max(least / max(1, len(d) - 3), noise[0] ** 2)
-    colour = 1.0
-    if noise[0] > 0:
-        colour = max(1.0, (noise[1] / noise[0]) ** 2 * max(1.0, length / step))
+    colour = _colour(noise, length, d) ** 2
     allowed = colour * variance * np.repeat([CHI2, CHI2, JUMP], steps.shape[1])
     for one in (curves, steps):  # must be needed: noise makes small bends and steps
         one[0] += CHI2 * colour * variance

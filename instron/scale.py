@@ -158,6 +158,7 @@ def _peak(stroke: _Stroke) -> tuple[Peak, float]:
     if zero.rule.startswith(("free", "drift")):
         # The median of coloured noise: as that of independent averages over the length.
         unsure = 1.25 * noise.averaged * (stroke.length / stroke.step / zero.rows) ** 0.5
+    unsure = float(np.hypot(unsure, zero.drift))
     return highest(F, noise.averaged, noise.freedom, unsure), float(
         np.interp(places[top], stroke.travel, stroke.d)
     )

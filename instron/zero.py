@@ -10,6 +10,8 @@ QUIET = 0.05  # the share of the rows at the end that is looked at for a free ti
 FIRST = 0.01  # the share of the rows at the start that count as before combing, or half a length
 LOADED = 0.5  # an end that is this far up from the start to the highest force bears load
 APART = 6.0  # sd of the averaged force from which on start and end disagree
+PUSHED = 0.1  # of the rows below such a zero, by 15 % of the highest force: combing does not push
+PUSH = 0.15
 LIKE_DRIFT = 0.25  # relative: the slope of the free end explains the difference of start and end
 
 
@@ -31,6 +33,8 @@ class Zero:
         That ``free`` is the median of.
     suspect
         Whether start and end disagree by more than noise.
+    drift
+        Standard uncertainty of the zero by what start and end differ [N].
     """
 
     level: np.ndarray | float
@@ -41,6 +45,7 @@ class Zero:
     free: float
     rows: int
     suspect: bool
+    drift: float
 
 
 def find_zero(
@@ -72,6 +77,7 @@ def find_zero(
     limit = max(APART * float(np.hypot(noise, doubt)), 0.01 * span)
     suspect = abs(free - begin) > limit
     drifting = _drifts(smooth, begin, free, size)
+    loaded = loaded or (suspect and not drifting and _pushes(smooth, begin, free, rig.force_sign))
     rule = rig.zero
     notes: list[str] = []
     if rule == "auto":
@@ -91,7 +97,8 @@ def find_zero(
     }
     level, words = table[rule]
     sign = rig.force_sign or _sign(smooth - level, smooth - begin, loaded)
-    return Zero(level, sign, words, notes, start, free, size, suspect)
+    drift = _drift_doubt(rule, abs(free - begin), 2 * doubt)
+    return Zero(level, sign, words, notes, start, free, size, suspect, drift)
 
 
 def _is_quiet(end: np.ndarray, span: float, noise: float) -> bool:
@@ -120,6 +127,28 @@ def _bears_load(smooth: np.ndarray, start: float, free: float, sign: int) -> boo
     top = float(away.max())
     end = sign * (free - start) if sign else float(away[-1])
     return top > 0 and end > LOADED * top
+
+
+def _pushes(smooth: np.ndarray, start: float, free: float, sign: int) -> bool:
+    """Tell whether the end as zero would make much of the force pull the tine along."""
+    sign = sign or (1 if np.ptp(smooth - start) == 0 else _sign(smooth - start, smooth, False))
+    away = sign * (smooth - start)
+    most = PUSH * float(away.max())
+    return (
+        sign * (free - start) > most
+        and float(np.mean(away < sign * (free - start) - most)) > PUSHED
+    )
+
+
+def _drift_doubt(rule: str, apart: float, noise: float) -> float:
+    """Return the standard uncertainty of the zero where start and end are ``apart`` [N].
+
+    What is more than noise may have come about anywhere in between: a uniform distribution of that
+    width. Of a drift taken off as a line, what a drift that is none would leave.
+    """
+    width = float(np.sqrt(max(0.0, apart**2 - noise**2)))
+    share = {"free": 1.0, "start": 1.0, "drift": LIKE_DRIFT, "none": 0.0}[rule]
+    return share * width / np.sqrt(12)
 
 
 def _outward(F: np.ndarray) -> np.ndarray:

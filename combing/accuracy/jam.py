@@ -9,6 +9,7 @@ import numpy as np
 
 import sim
 from combing.accuracy.measurement import Measurement
+from instron.average import profile
 from sim.presets import NYLON_SCALED
 from sim.scene import Contact, Scene
 from sim.state import rigidities
@@ -77,10 +78,13 @@ class Jam:
 
 
 def smoothed(d: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return f averaged over the WINDOW before each of a row of places d, twenty to a window."""
-    area = np.concatenate([[0.0], np.cumsum(0.5 * (f[1:] + f[:-1]) * np.diff(d))])
-    place = np.arange(WINDOW, d[-1], WINDOW / 20)
-    return place, (np.interp(place, d, area) - np.interp(place - WINDOW, d, area)) / WINDOW
+    """Return f averaged as for every curve, over WINDOW, and the place where each length ends.
+
+    The highest average before a release ends where the jam lets go.
+    """
+    source = profile(d, f)
+    middle = source.places(WINDOW)
+    return middle + WINDOW / 2, source.mean(middle, WINDOW)
 
 
 def first_jam(d: np.ndarray, f: np.ndarray) -> tuple[float | None, float | None]:

@@ -1,7 +1,31 @@
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 import instron
+
+RELAXED = {"deadline": None, "suppress_health_check": list(HealthCheck), "database": None}
+# The default run takes the same examples every time: what a search finds gets a test of its own.
+settings.register_profile("steady", derandomize=True, **RELAXED)
+settings.register_profile("search", **RELAXED)
+
+
+@pytest.fixture(scope="module")
+def attempt(tmp_path_factory):
+    """Read bytes: the logs, or None when they were refused with the file's name in one line."""
+    path = tmp_path_factory.mktemp("fuzz") / "export.csv"
+
+    def read(content):
+        path.write_bytes(content)
+        try:
+            return instron.read(path)
+        except instron.Unreadable as error:
+            message = str(error)
+        assert path.name in message
+        assert "\n" not in message
+        return None
+
+    return read
 
 
 @pytest.fixture

@@ -150,3 +150,26 @@ def test_an_aborted_run_stays_out_of_the_mean_and_is_named():
 def test_the_end_of_a_sudden_release_is_not_smeared():
     """Averaging alone would put it half a length, 0.64 mm, too far."""
     assert end_of(combing(release, 6000, sd=0.002, rng=0))["D"] == pytest.approx(GONE, abs=3e-5)
+
+
+@pytest.mark.parametrize("gap", [0.3, 0.6, 0.9])
+@pytest.mark.parametrize("left", [0.2, 0.5])
+def test_of_two_releases_close_together_the_last_ends_combing(gap, left):
+    first = GONE - gap * RIG.averaging_length
+
+    def twice(d):
+        rise = np.minimum(1, d / 3e-3)
+        return np.where(d < first, rise, np.where(d < GONE, left, 0.0))
+
+    for seed in range(3):
+        found = end_of(combing(twice, 1500, sd=0.01, rng=seed))
+        assert found["D"] == pytest.approx(GONE, abs=1e-4)
+        assert found["D_low"] <= GONE <= found["D_high"]
+
+
+def test_a_log_that_stops_where_the_force_hardly_changes_has_not_ended():
+    """Its last rows are quiet, but as a zero they would have the strands pull the tine along."""
+    log = combing(jams, 1500, height=0.7, sd=0.005, rng=2).iloc[:700]
+    found = end_of(log)
+    assert not found["ended"]
+    assert found["rules"]["zero"] == "none"

@@ -1,20 +1,19 @@
-"""Random dialects and random damage: the reading is right, or refused, or flagged."""
+"""Random dialects, and damage to them, to look-alikes and to real exports.
+
+The reading is right, or refused, or flagged.
+"""
 
 import csv
-import datetime
-import io
 import re
 import runpy
 from pathlib import Path
 
 import numpy as np
-import openpyxl
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import instron
-
+STEADY, SEARCH = settings.get_profile("steady"), settings.get_profile("search")
 REAL = Path(__file__).parents[3] / "shared" / "real" / "instron"
 SI = {"s": 1, "sec": 1, "ms": 1e-3, "min": 60, "mm": 1e-3, "cm": 1e-2, "m": 1, "in": 0.0254,
       "N": 1, "kN": 1e3, "mN": 1e-3, "lbf": 4.4482216152605, "kgf": 9.80665,
@@ -109,27 +108,15 @@ def assemble(head, body, form):
     return form["newline"].join([*head, *body, ""]).encode(form["encoding"])
 
 
-def attempt(path, content):
-    """Return the logs, or None when the file was refused with its name in the message."""
-    path.write_bytes(content)
-    try:
-        return instron.read(path)
-    except instron.Unreadable as error:
-        message = str(error)
-    assert path.name in message
-    assert "\n" not in message
-    return None
-
-
 def agrees(log, truth):
     return len(log) == len(truth["force"]) and all(
         np.allclose(log[q], truth[q], rtol=1e-12, atol=1e-300) for q in truth
     )
 
 
-def check_dialect(drawn, path):
+def check_dialect(drawn, attempt):
     head, body, truth, form = drawn
-    logs = attempt(path, assemble(head, body, form))
+    logs = attempt(assemble(head, body, form))
     if logs is None:
         assert is_ambiguous(body, form), "a clear file was refused"
     else:
@@ -194,13 +181,13 @@ def literal(text, form):
     return {q: np.array(column) for q, column in table.items()}
 
 
-def check_damage(drawn, damage, path):
+def check_damage(drawn, damage, attempt):
     head, body, whole_truth, form = drawn
     form = form | {"encoding": "cp1252"}
     whole = form["newline"].join([*body, ""]).encode("cp1252")
     damaged = damage(whole)
     top = form["newline"].join([*head, ""]).encode("cp1252")
-    logs = attempt(path, top + damaged)
+    logs = attempt(top + damaged)
     if logs is None or any(log.attrs["warnings"] for log in logs):
         return
     if len(logs) == 1 and agrees(logs[0], whole_truth):
@@ -209,11 +196,6 @@ def check_damage(drawn, damage, path):
     assert truth is not None, f"a damaged body passed without a word: {damaged!r}"
     assert len(logs) == 1
     assert agrees(logs[0], truth), f"{damaged!r} read as {logs[0]}, not {truth}"
-
-
-@pytest.fixture(scope="module")
-def path(tmp_path_factory):
-    return tmp_path_factory.mktemp("fuzz") / "export.csv"
 
 
 def look_alikes():
@@ -245,13 +227,13 @@ def split_export(content, dialect):
     return newline.join(lines[:first]) + newline, newline.join(lines[first:])
 
 
-def check_damaged_export(name, damages, path):
+def check_damaged_export(name, damages, attempt):
     """Damage rows of an export: what is read must be what a reader told the dialect would read."""
-    logs = attempt(path, EXPORTS[name])
+    logs = attempt(EXPORTS[name])
     head, body = split_export(EXPORTS[name], logs[0].attrs["dialect"])
     for damage in damages:
         body = damage(body)
-    after = attempt(path, head + body)
+    after = attempt(head + body)
     if after is None or len(logs) > 1 or any(log.attrs["warnings"] for log in after):
         return
     assert len(after) == 1
@@ -263,12 +245,12 @@ def check_damaged_export(name, damages, path):
             assert any(np.isclose(a, value, rtol=1e-12) for a in allowed), f"{value}: {body!r}"
 
 
-def damage_anywhere(name, damages, path):
+def damage_anywhere(name, damages, attempt):
     """Damage an export, its head too: it is read or refused, and nothing else happens."""
     content = EXPORTS[name]
     for damage in damages:
         content = damage(content)
-    attempt(path, content)
+    attempt(content)
 
 
 def strict_rows(text, attrs):
@@ -295,213 +277,53 @@ def readings(cell, decimal):
     return [v for v in found if v is not None and np.isfinite(v)]
 
 
-WORDS = {
-    "time": ["Time", "Zeit", "Temps", "Total Time", "Running Time", "Tiempo"],
-    "displacement": ["Extension", "Weg", "Crosshead", "Desplaz.", "Distance", "Axial Displacement"],
-    "force": ["Load", "Kraft", "Force", "Axial Force", "Carico", "Standard force"],
-}
-PLACES = ["{0} ({1})", "{0} [{1}]", "{0}_{1}", "{0}/{1}", "{0}..{1}.", "{0} in {1}", "{1} {0}",
-          "{0} - {1}", "{0}, {1}"]  # fmt: skip
-FACTORS = [("", 1), ("x10^3 ", 1e3), ("10^-3 ", 1e-3), ("x 100 ", 100), ("1/10 ", 0.1)]
-UNREAD = ["% of 50 ", "5 ", "10E3 ", "?? "]
-
-
-@st.composite
-def headings(draw):
-    """Return names of columns, what each of them is in SI (None: to be left), or a question."""
-    columns, asked = [], False
-    for quantity in draw(st.permutations(list(WORDS))):
-        unit = draw(st.sampled_from([u for u in UNITS[quantity] if u != "min"]))
-        place = draw(st.sampled_from(PLACES))
-        factor, scale = draw(st.sampled_from(FACTORS if place[4:5] in "([" else FACTORS[:1]))
-        if quantity == "force" and place[4:5] in "([" and draw(st.integers(0, 9)) == 0:
-            factor, asked = draw(st.sampled_from(UNREAD)), True
-        name = place.format(draw(st.sampled_from(WORDS[quantity])), factor + unit)
-        columns.append((name, quantity, SI[unit] * scale))
-        if draw(st.integers(0, 4)) == 0:
-            word, *_ = WORDS[quantity]
-            role = draw(st.sampled_from(["setpoint", "Soll", "Demand", "error"]))
-            at = draw(st.integers(0, len(columns)))
-            columns.insert(at, (f"{word} {role} ({unit})", None, 0))
-    if draw(st.integers(0, 9)) == 0:
-        columns += [("Force X (N)", None, 0), ("Force Y (N)", None, 0)]
-    return columns, asked
-
-
-def check_headings(drawn, seed, path):
-    """Every column that is taken has its own numbers and scale, or the file is asked about."""
-    columns, asked = drawn
-    rng = np.random.default_rng(seed)
-    values = np.round(np.cumsum(rng.uniform(0.01, 1, (12, len(columns))), axis=0), 4)
-    text = "\t".join(name for name, *_ in columns) + "\n"
-    text += "".join("\t".join(map(str, row)) + "\n" for row in values)
-    logs = attempt(path, text.encode())
-    if logs is None:
-        assert asked or "Force X" in text, text.splitlines()[0]
-        return
-    assert not asked, text.splitlines()[0]
-    for k, (_, quantity, scale) in enumerate(columns):
-        if quantity:
-            np.testing.assert_allclose(logs[0][quantity], values[:, k] * scale, rtol=1e-12)
-
-
-@st.composite
-def block_files(draw):
-    """Return a file of one test in blocks or of several tests, and how many tests it holds."""
-    n, blocks = draw(st.integers(6, 30)), draw(st.integers(1, 5))
-    runs_on = draw(st.booleans())
-    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
-    top = draw(st.sampled_from(["", "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\n\n", "Operator\tZoe\n"]))
-    between = draw(st.sampled_from(["", "\n", "Data Acquisition\tTime:\t5.0\ts\n", "Buffer\n\n"]))
-    tail = draw(st.sampled_from(["", "\n\n", "End of test\n", "0\t0\t0\n"]))
-    rows, text = [], top
-    for block in range(blocks):
-        start = block * n if runs_on else 0
-        t = np.round((start + np.arange(n)) * 0.1, 1)
-        block_rows = np.column_stack(
-            [t, np.round(t * 0.25 + 0.5, 4), np.round(rng.uniform(1, 9, n), 3)]
-        )
-        text += between + "Time\tPosition\tForce\ns\tmm\tN\n"
-        text += "".join("\t".join(map(str, row)) + "\n" for row in block_rows)
-        rows.append(block_rows)
-    return text + tail, rows, 1 if runs_on else blocks
-
-
-def check_blocks(drawn, path):
-    """Rows are in their test, in order; every line of the file has one role."""
-    text, rows, tests = drawn
-    logs = attempt(path, text.encode())
-    assert logs is not None
-    assert len(logs) == tests
-    assert sum(logs[0].attrs["lines"].values()) == text.count("\n")
-    whole = np.concatenate(rows)
-    read = np.concatenate([log[["time", "displacement", "force"]].to_numpy() for log in logs])
-    np.testing.assert_allclose(read, whole * [1, 1e-3, 1], rtol=1e-12)
-    assert logs[0].attrs["lines"]["data"] == len(whole)
-
-
-@st.composite
-def sheets(draw):
-    """Return cells of a sheet of numbers, one of which may be something else."""
-    n = draw(st.integers(3, 15))
-    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
-    digits = draw(st.sampled_from([0, 1, 3, 4, 12]))
-    numbers = np.round(np.cumsum(rng.uniform(0.01, 900, (n, 3)), axis=0), digits)
-    rows = [["Time", "Extension", "Load"], ["s", "mm", "N"], *numbers.tolist()]
-    odd = draw(st.sampled_from([None, None, "OVER", "1,5", datetime.date(2021, 3, 4), "", True]))
-    if odd is not None:
-        rows[2 + draw(st.integers(0, n - 1))][draw(st.integers(0, 2))] = odd
-    return rows, numbers, odd
-
-
-def check_sheet(drawn, path):
-    rows, numbers, odd = drawn
-    book = openpyxl.Workbook()
-    for row in rows:
-        book.active.append(row)
-    stream = io.BytesIO()
-    book.save(stream)
-    logs = attempt(path, stream.getvalue())
-    if odd is None:
-        assert logs is not None
-        np.testing.assert_allclose(logs[0][["time", "displacement", "force"]].to_numpy(),
-                                   numbers * [1, 1e-3, 1], rtol=1e-12)  # fmt: skip
-    elif logs is not None:  # what is not a number may at most have cost the last row
-        assert logs[0].attrs["warnings"]
-        assert len(logs[0]) < len(numbers)
-
-
-RELAXED = {"deadline": None, "suppress_health_check": list(HealthCheck), "database": None}
-# The default run takes the same examples every time: what a search finds gets a test of its own.
-STEADY = RELAXED | {"derandomize": True}
-
-
-@settings(max_examples=250, **STEADY)
+@settings(STEADY, max_examples=250)
 @given(drawn=exports())
-def test_random_dialects_are_read_exactly(drawn, path):
-    check_dialect(drawn, path)
+def test_random_dialects_are_read_exactly(drawn, attempt):
+    check_dialect(drawn, attempt)
 
 
-@settings(max_examples=250, **STEADY)
+@settings(STEADY, max_examples=250)
 @given(drawn=exports(), damage=damages())
-def test_damaged_bodies_are_read_literally_or_not_at_all(drawn, damage, path):
-    check_damage(drawn, damage, path)
-
-
-@settings(max_examples=250, **STEADY)
-@given(name=st.sampled_from(sorted(EXPORTS)), damages=st.lists(damages(), min_size=1, max_size=2))
-def test_damaged_exports_are_read_literally_or_not_at_all(name, damages, path):
-    check_damaged_export(name, damages, path)
-
-
-@settings(max_examples=250, **STEADY)
-@given(name=st.sampled_from(sorted(EXPORTS)), damages=st.lists(damages(), min_size=1, max_size=3))
-def test_damage_anywhere_never_raises_anything_else(name, damages, path):
-    damage_anywhere(name, damages, path)
-
-
-@settings(max_examples=250, **STEADY)
-@given(drawn=headings(), seed=st.integers(0, 2**32))
-def test_random_headings_are_understood_or_asked_about(drawn, seed, path):
-    check_headings(drawn, seed, path)
-
-
-@settings(max_examples=250, **STEADY)
-@given(drawn=block_files())
-def test_random_blocks_are_joined_or_kept_apart(drawn, path):
-    check_blocks(drawn, path)
-
-
-@settings(max_examples=60, **STEADY)
-@given(drawn=sheets())
-def test_random_sheets_are_read_or_refused(drawn, path):
-    check_sheet(drawn, path)
+def test_damaged_bodies_are_read_literally_or_not_at_all(drawn, damage, attempt):
+    check_damage(drawn, damage, attempt)
 
 
 @pytest.mark.slow
-@settings(max_examples=3000, **RELAXED)
-@given(drawn=headings(), seed=st.integers(0, 2**32))
-def test_many_random_headings(drawn, seed, path):
-    check_headings(drawn, seed, path)
-
-
-@pytest.mark.slow
-@settings(max_examples=3000, **RELAXED)
-@given(drawn=block_files())
-def test_many_random_blocks(drawn, path):
-    check_blocks(drawn, path)
-
-
-@pytest.mark.slow
-@settings(max_examples=1000, **RELAXED)
-@given(drawn=sheets())
-def test_many_random_sheets(drawn, path):
-    check_sheet(drawn, path)
-
-
-@pytest.mark.slow
-@settings(max_examples=6000, **RELAXED)
+@settings(SEARCH, max_examples=6000)
 @given(drawn=exports())
-def test_many_random_dialects(drawn, path):
-    check_dialect(drawn, path)
+def test_many_random_dialects(drawn, attempt):
+    check_dialect(drawn, attempt)
 
 
 @pytest.mark.slow
-@settings(max_examples=6000, **RELAXED)
+@settings(SEARCH, max_examples=6000)
 @given(drawn=exports(), damage=damages())
-def test_many_damaged_bodies(drawn, damage, path):
-    check_damage(drawn, damage, path)
+def test_many_damaged_bodies(drawn, damage, attempt):
+    check_damage(drawn, damage, attempt)
 
 
-@pytest.mark.slow
-@settings(max_examples=6000, **RELAXED)
+@settings(STEADY, max_examples=250)
 @given(name=st.sampled_from(sorted(EXPORTS)), damages=st.lists(damages(), min_size=1, max_size=2))
-def test_many_damaged_exports(name, damages, path):
-    check_damaged_export(name, damages, path)
+def test_damaged_exports_are_read_literally_or_not_at_all(name, damages, attempt):
+    check_damaged_export(name, damages, attempt)
+
+
+@settings(STEADY, max_examples=250)
+@given(name=st.sampled_from(sorted(EXPORTS)), damages=st.lists(damages(), min_size=1, max_size=3))
+def test_damage_anywhere_never_raises_anything_else(name, damages, attempt):
+    damage_anywhere(name, damages, attempt)
 
 
 @pytest.mark.slow
-@settings(max_examples=3000, **RELAXED)
+@settings(SEARCH, max_examples=6000)
+@given(name=st.sampled_from(sorted(EXPORTS)), damages=st.lists(damages(), min_size=1, max_size=2))
+def test_many_damaged_exports(name, damages, attempt):
+    check_damaged_export(name, damages, attempt)
+
+
+@pytest.mark.slow
+@settings(SEARCH, max_examples=3000)
 @given(name=st.sampled_from(sorted(EXPORTS)), damages=st.lists(damages(), min_size=1, max_size=3))
-def test_much_damage_anywhere(name, damages, path):
-    damage_anywhere(name, damages, path)
+def test_much_damage_anywhere(name, damages, attempt):
+    damage_anywhere(name, damages, attempt)
