@@ -13,7 +13,6 @@ import pandas as pd
 import imaging
 from combing.errors import UserError, is_users_fault
 from imaging.photo.decode import SUFFIXES
-from imaging.scale import from_marker
 
 T = TypeVar("T")
 
@@ -108,46 +107,3 @@ def measured_only(
 def content_of(photo: imaging.Photo) -> str:
     """Return a hash of a photograph's pixels, whatever its file is called."""
     return hashlib.sha256(photo.pixels.tobytes()).hexdigest()
-
-
-def read_to_scale(
-    path: Path, *, marker_side: float | None = None, pixel_size: float | None = None
-) -> tuple[imaging.Photo, float]:
-    """Read a photograph and the size of its pixels.
-
-    Parameters
-    ----------
-    path : Path
-        The photograph.
-    marker_side : float, optional
-        Side of the ArUco marker that lies in the plane of the strands [m].
-    pixel_size : float, optional
-        Size of a pixel in the plane of the strands [m], where there is no marker.
-
-    Returns
-    -------
-    photo : imaging.Photo
-        The marker, if any, is ignored.
-    pixel_size : float
-        In metres.
-
-    Raises
-    ------
-    UserError
-        If neither is given.
-    imaging.Unmeasurable
-        If the file is not a photograph, or there is no marker in it, or more than one.
-    """
-    return to_scale(imaging.read_photo(path), marker_side=marker_side, pixel_size=pixel_size)
-
-
-def to_scale(
-    photo: imaging.Photo, *, marker_side: float | None = None, pixel_size: float | None = None
-) -> tuple[imaging.Photo, float]:
-    """Find the size of a photograph's pixels as `read_to_scale` does."""
-    if marker_side is None:
-        if pixel_size is None:
-            raise UserError(f"{photo.source}: give marker_side or pixel_size, in metres")
-        return photo, pixel_size
-    scale, photo = from_marker(photo, marker_side)
-    return photo, scale.metres_per_pixel

@@ -14,20 +14,20 @@ import numpy as np
 import pandas as pd
 from tqdm import tqdm
 
-import imaging
 from combing.errors import UserError, is_users_fault
 from combing.figures.style import write_pictures
-from imaging.helix import helix
+from combing.view import View, measure_pair, metres
 from imaging.helix.measurement import HelixMeasurement
 from imaging.helix.sequence import HelixSequence, kymograph, sequence_of
 from imaging.photo import Photo
+from imaging.photo.region import FORMS as REGION_FORMS
 from imaging.report.helix_pictures import (
     draw_helix_overlay,
     kymograph_figure,
     link_figure,
     sequence_figure,
 )
-from imaging.scale import FORMS, Request, Scale, calibrate, parse_scale
+from imaging.scale import FORMS
 
 COLUMNS = {
     "s": "arclength of the axis from the root [UNIT]",
@@ -54,11 +54,10 @@ COLUMNS = {
 class Options:
     """What was asked of every photograph."""
 
-    scale: Request | None
+    view: View
     root: str
     pair: int
     tine: tuple[float, ...] | None
-    roi: tuple[int, int, int, int] | None
 
 
 @click.command()
@@ -76,13 +75,17 @@ class Options:
 @click.option("--pair", type=click.IntRange(min=1), default=1, show_default=True,
               help="Which of several pairs that wind, from the one of the most turns.")  # fmt: skip
 @click.option("--tine", help="Where the tine crosses, as X,Y or X,Y,RADIUS [px].")
-@click.option("--positions", help="Tine positions x = d/D of the photos: a series, as X1,X2,...")
+@click.option("--positions", help="Displacements d of the tine: the photos are a series; as "
+              "0.01,0.03,... in metres, or 10mm,30mm,...")  # fmt: skip
+@click.option("--combed", help="With --positions: displacement D at which combing ends, as 85mm.")
+@click.option("--x", help="Instead of --positions and --combed: x = d/D, as 0.1,0.3,...")
 @click.option(
     "--before",
     type=click.Path(path_type=Path),
-    help="With --positions: photo before combing; else the first one is taken.",
+    help="In a series: photo before combing; else the first one is taken.",
 )
-@click.option("--roi", help="Look only inside x0,y0,x1,y1 [px].")
+@click.option("--roi", help=f"Look only inside {REGION_FORMS}.")
+@click.option("--ignore", type=click.Path(), help="Mask picture; white is ignored.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @click.option("--quiet", is_flag=True, help="No progress, no summary.")
 def command(
@@ -93,31 +96,30 @@ def command(
     pair: int,
     tine: str | None,
     positions: str | None,
+    combed: str | None,
+    x: str | None,
     before: Path | None,
     roi: str | None,
+    ignore: str | None,
     as_json: bool,
     quiet: bool,
 ) -> None:
     """Measure link density, radius and handedness of two strands wound round each other.
 
-    The strands must differ in colour. With --positions, the photographs are a series while a tine
-    combs the helix, and the change of link density and the jump across the tine are drawn too.
+    The strands must differ in colour. With --positions or --x, the photographs are a series while
+    a tine combs the helix: the change of link density and the jump across the tine are drawn too.
 
     \b
     Example:
       combing helix helix.jpg --scale marker:20mm -o out/
-      combing helix frame_*.png --positions 0.1,0.3,0.5 --before rest.png --scale 41px/mm -o out/
+      combing helix frame_*.png --positions 10mm,30mm,50mm --combed 85mm --before rest.png \
+        --scale 41px/mm -o out/
     """
-    options = Options(
-        parse_scale(scale) if scale else None,
-        root,
-        pair,
-        _numbers("--tine", tine, (2, 3), float),
-        _numbers("--roi", roi, (4,), int),
-    )
-    places = _numbers("--positions", positions, (len(photos),), float)
+    view = View.asked(scale, roi, ignore)
+    options = Options(view, root, pair, _numbers("--tine", tine, (2, 3), float))
+    places = _scaled(positions, combed, x, len(photos))
     if before is not None and places is None:
-        raise UserError("--before needs --positions, one for each photograph")
+        raise UserError("--before needs --positions or --x, one for each photograph")
     rest = None if before is None else _measure(before, options)[1]
     rows, measured = _measure_all(photos, output, options, places is not None, quiet)
     if places is not None:
@@ -147,6 +149,24 @@ def _numbers(
         wanted = " or ".join(map(str, counts))
         raise UserError(f"{name} {text}: give {wanted} numbers separated by commas")
     return values
+
+
+def _scaled(
+    positions: str | None, combed: str | None, x: str | None, count: int
+) -> tuple[float, ...] | None:
+    """Return x = d/D of every photograph, as given or from d and D; None without a series."""
+    if x is not None and (positions or combed):
+        raise UserError("--x: is d/D already; leave out --positions and --combed")
+    if (positions is None) != (combed is None):
+        raise UserError(
+            "--positions (d) and --combed (D) go together; where x = d/D is known give --x"
+        )
+    if positions is None or combed is None:
+        return _numbers("--x", x, (count,), float)
+    (D,) = _numbers("--combed", combed, (1,), metres) or ()
+    if not D > 0:
+        raise UserError(f"--combed {combed}: D must be positive")
+    return tuple(d / D for d in _numbers("--positions", positions, (count,), metres) or ())
 
 
 def _measure_all(
@@ -182,27 +202,7 @@ def _folder_names(photos: tuple[Path, ...]) -> list[str]:
 
 
 def _measure(path: Path, options: Options) -> tuple[Photo, HelixMeasurement]:
-    """Read and measure one photograph; the message of a failure names it."""
-    photo = imaging.read_photo(path, roi=options.roi)
-    ask = partial(helix, pair=options.pair - 1, root=options.root, tine=options.tine)
-    try:
-        scale, photo = calibrate(photo, options.scale)
-        found = ask(photo, scale=scale)
-        if options.scale is not None and options.scale.kind == "filament":
-            # The strands' fitted width is the known length.
-            known = _from_width(found, options.scale.numbers[0])
-            found = ask(photo, scale=known.with_doubt(options.scale.length_sd))
-    except imaging.Unmeasurable as error:
-        text = str(error)
-        raise UserError(text if str(path) in text else f"{path}: {text}") from error
-    return photo, found
-
-
-def _from_width(found: HelixMeasurement, diameter: float) -> Scale:
-    if not diameter > 0:
-        raise UserError(f"filament of {diameter:g} m; its diameter must be positive")
-    # The half-contrast edge of a shaded tube lies within a few per cent of its outline.
-    return Scale(diameter / (2 * found.r), 0.03, "filament diameter")
+    return measure_pair(path, options.view, root=options.root, pair=options.pair, tine=options.tine)
 
 
 def _row(path: Path, found: HelixMeasurement) -> dict[str, Any]:

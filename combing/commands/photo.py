@@ -9,15 +9,14 @@ from typing import Any
 import click
 from tqdm import tqdm
 
-import imaging
 from combing.errors import UserError, is_users_fault
 from combing.photo_files import earlier, fingerprint, write_batch, write_photo
 from combing.photographs import find_photographs
-from imaging.correct import SUFFIX, Corrections, Hand, beside, told_besides
+from combing.view import View, said_of
+from imaging.correct import SUFFIX, Hand, beside
 from imaging.measure import BESIDE, Measured, measure
 from imaging.photo.region import FORMS as REGION_FORMS
-from imaging.photo.region import parse_region
-from imaging.scale import FORMS, Request, parse_scale
+from imaging.scale import FORMS
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,7 @@ def command(
     _refuse_corrections(file, no_corrections, paths)
     source = file or (None if no_corrections else BESIDE)
     options = Options(scale, n_sec, roi, ignore, source, strands, colours)
-    asked = _Asked(options, parse_scale(scale) if scale else None, again)
+    asked = _Asked(options, View.asked(scale, roi, ignore), again)
     if len(paths) == 1:
         rows, defect = [_one(paths[0], output, paths[0].name, asked)], None
     else:
@@ -100,7 +99,7 @@ def command(
 @dataclass(frozen=True)
 class _Asked:
     options: Options
-    request: Request | None
+    view: View
     again: bool
 
 
@@ -177,35 +176,24 @@ def _reason(error: Exception) -> str:
 
 def _one(path: Path, folder: Path, name: str, asked: _Asked) -> dict[str, Any]:
     """Measure one photograph into its folder; returns its line of the summary."""
-    options, request = asked.options, asked.request
-    roi = parse_region(options.roi) if options.roi else None
-    board = request.board if request else None
+    options, view = asked.options, asked.view
+    board = view.scale.board if view.scale else None
     said = beside(path) if options.corrections == BESIDE else options.corrections
     besides = [
-        Path(one) for one in (roi, options.ignore, board, said) if isinstance(one, str | Path)
+        Path(one) for one in (view.roi, view.ignore, board, said) if isinstance(one, str | Path)
     ]
     record: dict[str, Any] = {"input": fingerprint(path, asdict(options), besides)}
     if not asked.again and (old := earlier(folder, record["input"])) is not None:
         return old | {"kept": True}
-    photo = imaging.read_photo(path, roi=roi, ignore=options.ignore)
-    corrections = _corrections(said, options)
-    measured = measure(photo, request, options.n_sec, corrections=corrections)
+    photo = view.read(path)
+    colours = options.colours.split(",") if options.colours else None
+    words = said_of(photo, said, "the command line", strands=options.strands, colours=colours)
+    measured = measure(photo, view.scale, options.n_sec, corrections=words)
     record["exif"] = photo.exif
     record["corrections"] = _hand(said, measured.hand)
     record["summary"] = _row(path, measured)
     write_photo(folder, name, measured, record)
     return record["summary"]
-
-
-def _corrections(file: str | Path | None, options: Options) -> Corrections:
-    """Put together what the file and the command line say of a photograph."""
-    said = Corrections() if file is None else imaging.read_corrections(file)
-    more: dict[str, Any] = {}
-    if options.strands is not None:
-        more["strands"] = options.strands
-    if options.colours is not None:
-        more["colours"] = [colour.strip() for colour in options.colours.split(",")]
-    return told_besides(said, more, "the command line")
 
 
 def _hand(file: str | Path | None, hand: Hand) -> dict[str, Any]:

@@ -9,30 +9,37 @@ import pandas as pd
 import imaging
 import sim
 from combing.compare.comparison import Comparison, error_row, says_synthetic
-from combing.photographs import Refused, content_of, measured_only, read_to_scale
+from combing.photographs import Refused, content_of, measured_only
 from combing.study import CurlSet
 from combing.tables import read_table
+from combing.view import said_of
+from imaging.measure import BESIDE, measure
 
 
 def measure_curl(path: Path, chosen: CurlSet, n_sec: int) -> pd.DataFrame:
-    """Count the N-body interactions in one photograph.
+    """Count the N-body interactions in one photograph, as `combing photo` does.
 
     Returns
     -------
     DataFrame
         ``section, N, count, density`` [1/m]; ``attrs`` hold ``sample``, ``strands`` found,
-        ``crossings``, ``length`` [m], ``content`` (a hash) and ``synthetic``.
+        ``crossings``, ``length`` [m], ``notes``, ``content`` (a hash) and ``synthetic``.
 
     Raises
     ------
     imaging.Unmeasurable
         If the photograph does not show at least two strands.
     """
-    photo, pixel = read_to_scale(path, marker_side=chosen.marker_side, pixel_size=chosen.pixel_size)
-    _, strands, hand = imaging.strands_of(photo)
-    found = count_interactions(strands, pixel, n_sec)
+    photo = chosen.view.read(path)
+    said = said_of(photo, BESIDE, f"[[curl]] {chosen.name!r}", colours=chosen.colours)
+    seen = measure(photo, chosen.view.scale, n_sec, corrections=said)
+    if seen.interactions is None or seen.scale is None:
+        raise imaging.Unmeasurable(f"{path}: {len(seen.strands)} strand(s); a curl has several")
+    found = _counted(
+        seen.interactions, seen.crossings, len(seen.strands), seen.scale.metres_per_pixel
+    )
     found.attrs |= {"sample": path.stem, "synthetic": says_synthetic(photo.exif)}
-    found.attrs |= {"content": content_of(photo), "hand": hand.notes()}
+    found.attrs |= {"content": content_of(photo), "notes": seen.notes}
     return found
 
 
@@ -41,12 +48,19 @@ def count_interactions(
 ) -> pd.DataFrame:
     """Count interactions of strands given in lengths of `unit` [m]; densities come out in 1/m."""
     table = imaging.crossings(strands)
-    found = imaging.interactions(strands, n_sec, table=table)
-    found["density"] /= unit
-    found.attrs |= {
-        "strands": len(strands),
-        "crossings": int((table["kind"] == "inter").sum()),
-        "length": found.attrs["length"] * unit,
+    return _counted(imaging.interactions(strands, n_sec, table=table), table, len(strands), unit)
+
+
+def _counted(
+    interactions: pd.DataFrame, crossings: pd.DataFrame, strands: int, unit: float
+) -> pd.DataFrame:
+    """Take interactions from lengths of `unit` to metres, with how much was counted."""
+    found = interactions.assign(density=interactions["density"] / unit)
+    found.attrs = {
+        **interactions.attrs,
+        "strands": strands,
+        "crossings": int((crossings["kind"] == "inter").sum()),
+        "length": interactions.attrs["length"] * unit,
     }
     return found
 
@@ -91,7 +105,7 @@ def compare_curl(
             ("Mean density of N-body interactions (1/m)", _means(plotted)),
         ],
         errors=_errors(chosen, measured),
-        notes=notes + _by_hand(chosen, measured) + _wrong_counts(chosen, measured),
+        notes=notes + _doubts(chosen, measured) + _wrong_counts(chosen, measured),
         synthetic=any(found.attrs["synthetic"] for found in measured),
     )
 
@@ -149,12 +163,12 @@ def _means(plotted: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _by_hand(chosen: CurlSet, photographed: list[pd.DataFrame]) -> list[str]:
-    """Say which photographs were corrected by hand."""
+def _doubts(chosen: CurlSet, photographed: list[pd.DataFrame]) -> list[str]:
+    """Say what is doubtful in the photographs, and which were corrected by hand."""
     return [
         f"{chosen.name}, {found.attrs['sample']}: {note}"
         for found in photographed
-        for note in found.attrs.get("hand", [])
+        for note in found.attrs.get("notes", [])
     ]
 
 

@@ -14,12 +14,15 @@ import imaging
 import sim
 from combing.compare.comparison import Comparison, error_row, says_synthetic
 from combing.errors import UserError
-from combing.photographs import Refused, content_of, measured_only, read_to_scale, to_scale
+from combing.photographs import Refused, content_of, measured_only
 from combing.study import LinkSet, tine_positions
 from combing.tables import read_table
+from combing.view import measure_pair
 from combing.virtual_lab.helix_photos import Shot, take
 from combing.virtual_lab.photographs import MARKER_SIDE
 from imaging.helix import helix
+from imaging.helix.measurement import HelixMeasurement
+from imaging.scale import from_marker
 
 
 def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
@@ -37,16 +40,17 @@ def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
     imaging.Unmeasurable
         If the photograph does not show two strands wound round each other.
     """
-    photo, pixel = read_to_scale(path, marker_side=chosen.marker_side, pixel_size=chosen.pixel_size)
-    found = measure_helix(photo, pixel, chosen.root)
+    photo, measured = measure_pair(
+        path, chosen.view, root=chosen.root, pair=chosen.pair, tine=chosen.tine_in(path)
+    )
+    found = link_table(measured)
     found.attrs |= {"photo": path.stem, "synthetic": says_synthetic(photo.exif)}
     found.attrs |= {"content": content_of(photo)}
     return found
 
 
-def measure_helix(photo: imaging.Photo, pixel: float, root: str) -> pd.DataFrame:
-    """Link density (s, link, sd) of a photograph whose pixels are `pixel` metres wide."""
-    found = helix(photo, scale=1 / pixel, root=root)
+def link_table(found: HelixMeasurement) -> pd.DataFrame:
+    """Return the link density (s, link, sd) of a helix measured in metres, with its facts."""
     table = found.link_density.copy()
     table.attrs = {
         "resolution": found.resolution,
@@ -132,8 +136,8 @@ def photographed_link(run: sim.Run, d: float) -> pd.DataFrame:
     snapshot = nearest_snapshot(run, d)
     shot = Shot(f"simulation_{snapshot}", snapshot, float(run.displacements[snapshot]))
     picture = imaging.Photo(take(run, shot, rng=snapshot), source=shot.name)
-    photo, pixel = to_scale(picture, marker_side=MARKER_SIDE)
-    return measure_helix(photo, pixel, "top")
+    scale, photo = from_marker(picture, MARKER_SIDE)
+    return link_table(helix(photo, scale=scale))
 
 
 def nearest_snapshot(run: sim.Run, d: float) -> int:

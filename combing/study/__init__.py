@@ -6,7 +6,7 @@ A study is a TOML file; paths in it are relative to it and may hold ``*``. See `
 from combing.study.errors import StudyError
 from combing.study.load import load_study, load_sweep
 from combing.study.plan import Sweep
-from combing.study.positions import tine_positions
+from combing.study.positions import combed, tine_positions
 from combing.study.sets import CurlSet, ForceSet, LinkSet
 from combing.study.study import AnySet, Study
 from combing.study.sweeps import SweepSet
@@ -20,6 +20,7 @@ __all__ = [
     "StudyError",
     "Sweep",
     "SweepSet",
+    "combed",
     "load_study",
     "load_sweep",
     "tine_positions",

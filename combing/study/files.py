@@ -1,10 +1,15 @@
 """Files as a study names them: relative to it, by patterns, each once."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ValidationInfo
+
+from imaging.errors import Unmeasurable
+from imaging.photo.region import Box, parse_region
+from imaging.scale import FORMS, Request, parse_scale
 
 
 def folder_of(info: ValidationInfo) -> Path:
@@ -52,6 +57,29 @@ def _file_or_numbers(value: Any, info: ValidationInfo) -> Any:
     return _file(value, info) if isinstance(value, str) else value
 
 
+def _scale(value: Any, info: ValidationInfo) -> Request:
+    """Read a scale in the words of the command line; its board's photograph is the study's."""
+    if not isinstance(value, str):
+        raise ValueError(f"expected a scale in quotes: {FORMS}")
+    request = _understood(parse_scale, value)
+    return replace(request, board=str(_file(request.board, info))) if request.board else request
+
+
+def _region(value: Any, info: ValidationInfo) -> Box | Path:
+    if isinstance(value, list):
+        value = ",".join(map(str, value))
+    if isinstance(value, str) and "," in value:
+        return _understood(parse_region, value)
+    return _file(value, info)
+
+
+def _understood(parse: Callable[[str], Any], text: str) -> Any:
+    try:
+        return parse(text)
+    except Unmeasurable as error:
+        raise ValueError(str(error)) from None
+
+
 def matches(pattern: str, folder: Path) -> list[Path]:
     """Return the files that a pattern stands for, sorted; raise ValueError where there are none."""
     absolute = Path(pattern).is_absolute()
@@ -66,3 +94,5 @@ def matches(pattern: str, folder: Path) -> list[Path]:
 File = Annotated[Path, BeforeValidator(_file)]
 Files = Annotated[list[Path], BeforeValidator(_files)]
 FileOrNumbers = Annotated[list[float] | Path, BeforeValidator(_file_or_numbers)]
+Scale = Annotated[Request, BeforeValidator(_scale)]
+Region = Annotated[Any, BeforeValidator(_region)]

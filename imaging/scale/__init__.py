@@ -2,11 +2,12 @@
 
 from imaging.scale.calibration import calibrate
 from imaging.scale.marker import find_marker, from_marker, without_markers
-from imaging.scale.request import FORMS, Request, parse_scale
+from imaging.scale.request import FORMS, METRES, Request, parse_scale
 from imaging.scale.scale import Scale, from_filament, from_ruler, stated
 
 __all__ = [
     "FORMS",
+    "METRES",
     "Request",
     "Scale",
     "calibrate",

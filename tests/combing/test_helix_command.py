@@ -52,11 +52,17 @@ def test_without_a_scale_lengths_are_in_pixels(photo, tmp_path, capsys):
 
 
 def test_a_series(photo, tmp_path):
-    assert run(photo, photo, "--positions", "0.1,0.2", "-o", tmp_path, "--quiet") == 0
+    assert run(photo, photo, "--x", "0.1,0.2", "-o", tmp_path, "--quiet") == 0
     assert {"profiles.csv", "jumps.csv", "change.svg", "kymograph.png", "helix", "helix-2"} <= {
         file.name for file in tmp_path.iterdir()
     }
     assert pd.read_csv(tmp_path / "profiles.csv")["change"].abs().max() < 0.02
+
+
+def test_positions_are_displacements_and_the_same_as_x(photo, tmp_path):
+    places = ["--positions", "8.5mm,0.017", "--combed", "8.5cm"]
+    assert run(photo, photo, *places, "-o", tmp_path, "--quiet") == 0
+    assert list(pd.read_csv(tmp_path / "jumps.csv")["x"]) == pytest.approx([0.1, 0.2])
 
 
 def test_a_photograph_with_one_strand_gives_one_clear_line(tmp_path, capsys):
@@ -81,8 +87,14 @@ def test_a_bad_photograph_does_not_stop_the_others(photo, tmp_path, capsys):
     ("options", "message"),
     [
         (["--tine", "3"], "--tine 3: give 2 or 3 numbers"),
-        (["--positions", "0.1,0.2"], "--positions 0.1,0.2: give 1 numbers"),
-        (["--before", "rest.png"], "--before needs --positions"),
+        (["--x", "0.1,0.2"], "--x 0.1,0.2: give 1 numbers"),
+        (["--positions", "1mm,2mm", "--combed", "9mm"], "--positions 1mm,2mm: give 1 numbers"),
+        (["--positions", "1mm"], "where x = d/D is known give --x"),
+        (["--positions", "1mm", "--combed", "9 miles"], "--combed 9 miles: give 1 numbers"),
+        (["--positions", "1mm", "--combed", "0mm"], "D must be positive"),
+        (["--x", "0.1", "--combed", "9mm"], "--x: is d/D already"),
+        (["--before", "rest.png"], "--before needs --positions or --x"),
+        (["--roi", "1,2"], "region of interest '1,2'"),
         (["--scale", "big"], "scale 'big' is not understood"),
     ],
 )

@@ -9,13 +9,14 @@ from skimage.color import rgb2lab
 import instron
 import sim
 from combing.camera import project
-from combing.photographs import read_to_scale
 from combing.render import Tine
 from combing.study import Study
+from combing.view import View
 from combing.virtual_lab import photographs, specimens
 from combing.virtual_lab.machine import LoadCell, draw_cell, record
 from combing.virtual_lab.palette import palette
 from imaging import Unmeasurable
+from imaging.scale import from_marker
 
 RADIUS, PITCH = 4.25e-4, 18 * 4.25e-4
 QUIET = LoadCell(offset=0.0, drift=0.0, noise=0.0, resolution=1e-9)
@@ -118,13 +119,13 @@ def photo(tmp_path_factory):
 
 
 def test_photograph_says_synthetic_in_its_exif(photo):
-    found, _ = read_to_scale(photo[0], marker_side=photographs.MARKER_SIDE)
+    found = View().read(photo[0])
     assert "synthetic" in found.exif["ImageDescription"]
 
 
 def test_marker_gives_the_scale_and_is_kept_out(photo):
-    found, pixel = read_to_scale(photo[0], marker_side=photographs.MARKER_SIDE)
-    assert pixel == pytest.approx(RADIUS / 8, rel=0.004)
+    scale, found = from_marker(View().read(photo[0]), photographs.MARKER_SIDE)
+    assert scale.metres_per_pixel == pytest.approx(RADIUS / 8, rel=0.004)
     marker = photographs.marker_beside_clamp(hanging_helix(), np.array([0, 1.0, 0]))
     middle = marker.corner + photographs.MARKER_SIDE / 2 * (marker.right + marker.down)
     column, row = np.round(project(middle[None], photo[1])[0]).astype(int)
@@ -137,8 +138,7 @@ def test_a_photograph_without_marker_is_refused(tmp_path):
     path = tmp_path / "plain.png"
     Image.fromarray(np.full((200, 300, 3), 90, np.uint8)).save(path)
     with pytest.raises(Unmeasurable, match="no ArUco marker found"):
-        read_to_scale(path, marker_side=0.008)
-    assert read_to_scale(path, pixel_size=1e-5)[1] == 1e-5
+        from_marker(View().read(path), 0.008)
 
 
 def test_specimens_differ_as_stated():
