@@ -22,10 +22,10 @@ def exponent(curves: pd.DataFrame) -> Finding | None:
     return Finding(float(fit.slope), float(fit.slope - half), float(fit.slope + half))
 
 
-def ratio_of_ends(curves: pd.DataFrame) -> Finding | None:
+def ratio_of_ends(curves: pd.DataFrame, quantity: str = "f_max") -> Finding | None:
     """Return f_max at the largest value over that at the smallest, by Welch's interval of logs."""
     ends = (curves["value"].max(), curves["value"].min())
-    one, other = (np.log(curves.loc[curves["value"] == end, "f_max"]) for end in ends)
+    one, other = (np.log(curves.loc[curves["value"] == end, quantity]) for end in ends)
     if ends[0] == ends[1]:
         return None
     apart = float(one.mean() - other.mean())
@@ -36,6 +36,43 @@ def ratio_of_ends(curves: pd.DataFrame) -> Finding | None:
     return Finding(float(np.exp(apart)), float(low), float(high))
 
 
+def ratio_of_fullness(curves: pd.DataFrame) -> Finding | None:
+    """Return `ratio_of_ends` of w/f_max, the mean force over the highest: the curve's shape."""
+    return ratio_of_ends(curves.assign(fullness=curves["w"] / curves["f_max"]), "fullness")
+
+
+def mean(column: str) -> Measure:
+    """Measure the mean of `column` over the curves that have it, with Student's interval."""
+
+    def measure(curves: pd.DataFrame) -> Finding | None:
+        values = curves[column].dropna() if column in curves else pd.Series(dtype=float)
+        if values.empty:
+            return None
+        middle = float(np.mean(values))
+        if len(values) < 2:
+            return Finding(middle, np.nan, np.nan)
+        half = stats.t.ppf((1 + LEVEL) / 2, len(values) - 1) * stats.sem(values)
+        return Finding(middle, float(middle - half), float(middle + half))
+
+    return measure
+
+
+def rank_correlation(one: str, other: str) -> Measure:
+    """Measure Spearman's correlation of two columns over the curves, with Fisher's interval."""
+
+    def measure(curves: pd.DataFrame) -> Finding | None:
+        used = curves[[one, other]].dropna() if {one, other} <= set(curves) else curves[:0]
+        if len(used) < 5:
+            return None
+        rho = float(stats.spearmanr(used[one], used[other]).statistic)
+        # Fieller, Hartley & Pearson, Biometrika 44, 470 (1957).
+        half = stats.norm.ppf((1 + LEVEL) / 2) * np.sqrt(1.06 / (len(used) - 3))
+        low, high = np.tanh(np.arctanh(np.clip(rho, -0.9999, 0.9999)) + np.array([-half, half]))
+        return Finding(rho, float(low), float(high))
+
+    return measure
+
+
 def share(column: str, chosen: Callable[[pd.Series], pd.Series]) -> Measure:
     """Measure the share of curves with at least one of `column`, where `chosen` picks the values.
 
@@ -43,7 +80,9 @@ def share(column: str, chosen: Callable[[pd.Series], pd.Series]) -> Measure:
     """
 
     def measure(curves: pd.DataFrame) -> Finding | None:
-        rows = curves[chosen(curves["value"])]
+        if column not in curves:
+            return None
+        rows = curves[chosen(curves["value"])].dropna(subset=[column])
         if rows.empty:
             return None
         found = stats.binomtest(int((rows[column] > 0).sum()), len(rows))

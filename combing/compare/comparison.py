@@ -26,7 +26,10 @@ class Comparison:
     synthetic : bool
         Whether the experiment says of itself that it is synthetic.
     curves : DataFrame
-        Of sets of several values: one row a curve (`combing.compare.sweep.every_curve`).
+        What claims are decided by: one row a curve (`combing.compare.sweep.every_curve`) or a curl.
+    change : DataFrame
+        Of link densities: their change over s and across the tine
+        (`combing.compare.link_change.changes`).
     """
 
     plotted: pd.DataFrame
@@ -35,6 +38,7 @@ class Comparison:
     notes: list[str] = field(default_factory=list)
     synthetic: bool = False
     curves: pd.DataFrame = field(default_factory=pd.DataFrame)
+    change: pd.DataFrame = field(default_factory=pd.DataFrame)
 
 
 @dataclass(frozen=True)
@@ -73,23 +77,26 @@ def joined(parts: Iterable[Comparison]) -> Comparison:
         )
         for wanted in captions
     ]
-    errors = [part.errors for part in parts if len(part.errors)]
-    curves = [part.curves for part in parts if len(part.curves)]
     return Comparison(
         plotted=pd.concat([part.plotted for part in parts], ignore_index=True),
         numbers=tables,
-        errors=pd.concat(errors, ignore_index=True) if errors else pd.DataFrame(),
+        errors=stacked(part.errors for part in parts),
         notes=[note for part in parts for note in part.notes],
         synthetic=any(part.synthetic for part in parts),
-        curves=pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(),
+        curves=stacked(part.curves for part in parts),
+        change=stacked(part.change for part in parts),
     )
+
+
+def stacked(tables: Iterable[pd.DataFrame]) -> pd.DataFrame:
+    """Put tables under each other, leaving out the empty ones."""
+    filled = [table for table in tables if len(table)]
+    return pd.concat(filled, ignore_index=True) if filled else pd.DataFrame()
 
 
 def all_errors(comparisons: Mapping[str, Comparison]) -> pd.DataFrame:
     """Put the errors of all kinds of comparison under each other, with a column kind."""
-    tables = [found.errors.assign(kind=kind) for kind, found in comparisons.items()]
-    tables = [table for table in tables if len(table)]
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
+    return stacked(found.errors.assign(kind=kind) for kind, found in comparisons.items())
 
 
 def says_synthetic(facts: dict) -> bool:

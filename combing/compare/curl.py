@@ -8,7 +8,7 @@ import pandas as pd
 
 import imaging
 import sim
-from combing.compare.comparison import Comparison, error_row, says_synthetic
+from combing.compare.comparison import Comparison, error_row, says_synthetic, stacked
 from combing.photographs import Refused, content_of, measured_only
 from combing.study import CurlSet
 from combing.tables import read_table
@@ -107,7 +107,21 @@ def compare_curl(
         errors=_errors(chosen, measured),
         notes=notes + _doubts(chosen, measured) + _wrong_counts(chosen, measured),
         synthetic=any(found.attrs["synthetic"] for found in measured),
+        curves=stacked(
+            _lead(chosen.name, source, curls)
+            for source, curls in (("experiment", measured), ("simulation", simulated))
+        ),
     )
+
+
+def _lead(name: str, source: str, curls: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Return one row a curl: by how much pairs lead over the next most frequent N, over all."""
+    rows = []
+    for found in curls:
+        count = found.groupby("N")["count"].sum()
+        lead = count.get(2, 0) - count.drop(2, errors="ignore").max()
+        rows.append({"value": found.attrs["strands"], "lead_of_pairs": lead / count.sum()})
+    return pd.DataFrame(rows).assign(set=name, over="N", source=source)
 
 
 def _densities(name: str, source: str, found: pd.DataFrame) -> pd.DataFrame:

@@ -13,10 +13,12 @@ import pandas as pd
 import imaging
 import sim
 from combing.compare.comparison import Comparison, error_row, says_synthetic
+from combing.compare.link_change import changes
 from combing.errors import UserError
 from combing.photographs import Refused, content_of, measured_only
 from combing.study import LinkSet, tine_positions
 from combing.tables import read_table
+from combing.unlinking import nearest_snapshot
 from combing.view import measure_pair
 from combing.virtual_lab.helix_photos import Shot, take
 from combing.virtual_lab.photographs import MARKER_SIDE
@@ -58,6 +60,7 @@ def link_table(found: HelixMeasurement) -> pd.DataFrame:
         "R": found.R,
         "r": found.r,
         "lean": found.lean,
+        "sides": imaging.link_jump(found),
         "warnings": list(found.warnings),
     }
     return table
@@ -113,6 +116,7 @@ def compare_link(
         errors=_errors(chosen, everything),
         notes=notes,
         synthetic=any(found.attrs["synthetic"] for found in everything),
+        change=changes(chosen, before, measured, positions, run),
     )
 
 
@@ -138,12 +142,6 @@ def photographed_link(run: sim.Run, d: float) -> pd.DataFrame:
     picture = imaging.Photo(take(run, shot, rng=snapshot), source=shot.name)
     scale, photo = from_marker(picture, MARKER_SIDE)
     return link_table(helix(photo, scale=scale))
-
-
-def nearest_snapshot(run: sim.Run, d: float) -> int:
-    """Return the last snapshot among those nearest to tine displacement `d` [m]."""
-    apart = np.abs(run.displacements - d)
-    return int(np.flatnonzero(apart == apart.min())[-1])
 
 
 def tine_start(run: sim.Run) -> float:

@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from combing import __version__
+from combing.compare.change_pages import change_sections
 from combing.compare.comparison import Comparison, Findings, all_errors
 from combing.compare.sweep_pages import outcome_sections, sweep_sections
 from combing.figures.errors import draw_errors
@@ -59,11 +60,10 @@ def write_pages(study: Study, findings: Findings, folder: Path) -> None:
         for section in (
             sweep_sections(study, found, folder)
             if kind == "sweep"
-            else [_section(study, kind, found, folder)]
+            else [_section(study, kind, found, folder), *change_sections(found, folder)]
         )
     ]
-    if "sweep" in comparisons:
-        sections += outcome_sections(comparisons["sweep"], folder)
+    sections += outcome_sections(comparisons, folder)
     if findings.left_out:
         sections.insert(0, Section("Left out", findings.left_out))
     errors = all_errors(comparisons)

@@ -10,9 +10,11 @@ import sim
 from combing.compare.comparison import Comparison, says_synthetic
 from combing.compare.force import GRID, ROOM, scale_run
 from combing.study import SweepSet
+from combing.unlinking import link_facts, link_history
 
 LEVEL = 0.95
 SUDDEN = 0.05  # of D: a jam's force falls steepest within this; a smooth hump's does not
+STRETCHED = 10.0  # times f_max: Love's helix is nearly straight
 Curves = Mapping[float, Sequence[pd.DataFrame]]
 
 
@@ -74,6 +76,7 @@ def compare_sweep(
     simulated: dict[float, list[pd.DataFrame]] = {}
     for (value, _), run in runs.items():
         simulated.setdefault(value, []).append(scale_run(run, rig_of(chosen, value)))
+        simulated[value][-1].attrs["history"] = link_history(run)
     parts, rows = [], []
     for source, curves in (("experiment", measured), ("simulation", simulated)):
         for value, some in curves.items():
@@ -104,7 +107,8 @@ def every_curve(chosen: SweepSet, source: str, curves: Curves) -> pd.DataFrame:
     -------
     DataFrame
         Columns set, over, source, value, f_max, w, D (m), jams (peaks that are released within
-        5 % of D), plateaus.
+        5 % of D), plateaus, love_diverges (whether Love's single helix needs STRETCHED times f_max
+        within the stroke), and of simulations those of `combing.unlinking.link_facts`.
     """
     rows = []
     for value, some in curves.items():
@@ -121,9 +125,27 @@ def every_curve(chosen: SweepSet, source: str, curves: Curves) -> pd.DataFrame:
                     "D (m)": float(curve.attrs["D"]),
                     "jams": int(sudden.sum()),
                     "plateaus": int((found["kind"] == "plateau").sum()),
+                    "love_diverges": _love_diverges(chosen, value, curve),
+                    **_link(curve, found.loc[sudden, "x"]),
                 }
             )
     return pd.DataFrame(rows)
+
+
+def _link(curve: pd.DataFrame, jams: pd.Series) -> dict[str, float]:
+    history = curve.attrs.get("history")
+    return {} if history is None else link_facts(history, list(jams))
+
+
+def _love_diverges(chosen: SweepSet, value: float, curve: pd.DataFrame) -> float:
+    """Return 1 where Love's helix needs STRETCHED times f_max before combing ends, else 0."""
+    rig, top = rig_of(chosen, value), STRETCHED * _f_max(curve)
+    if rig.pitch is None or rig.helix_radius is None or rig.turns is None:
+        return np.nan
+    height = rig.pitch * rig.turns
+    drawn = instron.theory_curve(rig, height, float(curve.attrs["D"]), ends="free", f_limit=top)
+    inside = drawn[drawn["x"] <= 1]
+    return float(inside["f"].max() >= 0.99 * top)
 
 
 def _drawn(value: float, curves: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:

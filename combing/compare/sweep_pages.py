@@ -1,11 +1,12 @@
 """Sections of the report on sets of several values: curves, what strokes cost, claims."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pandas as pd
 
 from combing.claims import judge
-from combing.compare.comparison import Comparison
+from combing.compare.comparison import Comparison, stacked
 from combing.cost import cost_table
 from combing.ensemble import IMPERFECTION
 from combing.figures.cost import draw_cost
@@ -61,14 +62,18 @@ def _one(one: SweepSet, stem: str, found: Comparison, folder: Path) -> Section:
     return Section(one.name, [text], png, CURVES_CAPTION, f"{stem}.csv", numbers, notes=notes)
 
 
-def outcome_sections(found: Comparison, folder: Path) -> list[Section]:
+def outcome_sections(comparisons: Mapping[str, Comparison], folder: Path) -> list[Section]:
     """Write ``curves.csv``, ``claims.csv`` and the cost; return their sections."""
-    about = "one row a curve; f_max and w scaled, D in m"
-    write_table(folder / "curves.csv", found.curves, [about])
-    verdicts = judge(found.curves)
+    curves = stacked(found.curves for found in comparisons.values())
+    if curves.empty:
+        return []
+    about = "one row a curve or a curl; f_max and w scaled, D in m, link over lambda_0"
+    write_table(folder / "curves.csv", curves, [about])
+    verdicts = judge(curves)
     write_table(folder / "claims.csv", verdicts, ["the paper's claims; intervals at 95 %"])
     table = [("Verdicts", verdicts.drop(columns=["claim", "where"]))]
-    return [*_cost(found, folder), Section("Claims of the paper", [CLAIMS], tables=table)]
+    cost = _cost(comparisons["sweep"], folder) if "sweep" in comparisons else []
+    return [*cost, Section("Claims of the paper", [CLAIMS], tables=table)]
 
 
 def _cost(found: Comparison, folder: Path) -> list[Section]:

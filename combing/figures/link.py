@@ -14,6 +14,7 @@ from combing.figures.style import (
     mark_synthetic,
     new_figure,
     paper_style,
+    plain,
 )
 
 METRE_TO_MM = 1e3
@@ -41,7 +42,8 @@ def draw_link(table: pd.DataFrame, *, synthetic: bool) -> Figure:
         limits = _limits(table)
         for panel, rows in zip(panels, groups, strict=False):
             _draw_position(panel, rows)
-            panel.set_title(f"$d$ = {rows['d'].iloc[0] * METRE_TO_MM:.0f} mm", loc="left", pad=3)
+            place = f"$d$ = {rows['d'].iloc[0] * METRE_TO_MM:.0f} mm"
+            panel.set_title(f"{plain(rows['set'].iloc[0])}, {place}", loc="left", pad=3)
             panel.set_ylim(limits)
         _label_outer(panels, len(groups))
         legend_above(figure, panels[0], 3)

@@ -5,7 +5,14 @@ import pandas as pd
 import pytest
 
 from combing.claims import Verdict, all_claims, judge
-from combing.claims.measures import exponent, ratio_of_ends, share
+from combing.claims.measures import (
+    exponent,
+    mean,
+    rank_correlation,
+    ratio_of_ends,
+    ratio_of_fullness,
+    share,
+)
 from combing.cost import cost, cost_table
 from combing.figures.cost import draw_cost
 from combing.tables import write_table
@@ -13,17 +20,25 @@ from sim.presets import DoubleHelix
 
 VALUES = {
     "pi1": (14, 18, 24, 36, 48), "pi2": (1, 1.5, 2, 3), "pi3": (1, 2, 4),
-    "q": (2, 4, 8, 15, 25), "friction": (0.0, 0.1, 0.3),
+    "q": (2, 4, 8, 15, 25), "friction": (0.0, 0.1, 0.3), "N": (12, 13),
 }  # fmt: skip
 
 
-def curves(over, power=0.0, jams=0, plateaus=0, repeats=9, scatter=0.02):
+LEVELS = ("force_and_excess", "below_jams", "jump", "jump_growth", "jump_change", "behind",
+          "expelled", "lead_of_pairs")  # fmt: skip
+
+
+def curves(over, power=0.0, jams=0, plateaus=0, repeats=9, scatter=0.02, level=0.0, sense=0):
     rng = np.random.default_rng(0)
     values = np.repeat(VALUES[over], repeats).astype(float)
-    f_max = 10 * (values + (over == "friction")) ** power
-    f_max = f_max * np.exp(scatter * rng.standard_normal(len(values)))
+    noise = rng.standard_normal((len(LEVELS) + 3, len(values)))
+    f_max = 10 * (values + (over == "friction")) ** power * np.exp(scatter * noise[0])
+    columns = {name: level + scatter * one for name, one in zip(LEVELS, noise[3:], strict=True)}
+    columns["w"] = 5 * f_max * (1 + values) ** level * np.exp(scatter * noise[1])
+    columns["most_excess"] = sense * np.log(f_max) + 0.1 * scatter * noise[2]
     return pd.DataFrame({"set": "s", "over": over, "source": "simulation", "value": values,
-                         "f_max": f_max, "jams": jams, "plateaus": plateaus})  # fmt: skip
+                         "f_max": f_max, "jams": jams, "plateaus": plateaus,
+                         "love_diverges": jams, **columns})  # fmt: skip
 
 
 @pytest.mark.parametrize("name", all_claims())
@@ -31,10 +46,14 @@ def test_every_claim_is_stated_and_can_hold_and_can_fail(name):
     claim = all_claims()[name]
     assert claim.sentence.endswith(".")
     assert claim.where
-    assert claim.over in DoubleHelix.model_fields
+    assert claim.over in {*DoubleHelix.model_fields, "N"}
     assert np.isfinite([claim.above, claim.below]).any()
     worlds = [
         curves(claim.over, power, count, count) for power in (-1.5, 0.0, 1.5) for count in (0, 1)
+    ]
+    worlds += [
+        curves(claim.over, level=level, sense=sense)
+        for level, sense in ((-1.0, -1), (0.0, 0), (0.95, 1), (1.5, 1))
     ]
     verdicts = {claim.verdict(claim.measure(world)) for world in worlds}
     if claim.by_definition:
@@ -48,7 +67,8 @@ def test_every_claim_is_stated_and_can_hold_and_can_fail(name):
 def test_a_claim_that_no_set_is_about_is_open():
     found = judge(curves("pi1", -2.0))
     about = found[found["set"] == "s"]
-    assert set(about["claim"]) == {"tighter pitch", "jams when tight", "no jam when loose"}
+    over = {name.replace("_", " ") for name, one in all_claims().items() if one.over == "pi1"}
+    assert set(about["claim"]) == over
     assert about.set_index("claim").loc["tighter pitch", "verdict"] == "holds"
     others = found[found["set"] != "s"]
     assert set(others["verdict"]) == {"cannot tell"}
@@ -77,6 +97,28 @@ def test_ratio_and_share_of_known_curves():
     assert found.value == 0.5
     assert [found.low, found.high] == pytest.approx([0.1871, 0.8129], abs=1e-4)
     assert share("jams", lambda value: value > 90)(table) is None
+
+
+def test_mean_and_rank_correlation_of_known_curves():
+    table = pd.DataFrame({"value": 1.0, "jump": [0.4, 0.5, 0.6, np.nan], "f_max": 1.0})
+    found = mean("jump")(table)
+    assert [found.value, found.low, found.high] == pytest.approx([0.5, 0.2516, 0.7484], abs=1e-4)
+    assert mean("behind")(table) is None
+    assert np.isnan(mean("jump")(table[:1]).low)
+    rng = np.random.default_rng(4)
+    covered = 0
+    for _ in range(300):
+        one, other = rng.multivariate_normal([0, 0], [[1, 0.6], [0.6, 1]], 30).T
+        found = rank_correlation("a", "b")(pd.DataFrame({"a": one, "b": other}))
+        covered += found.low <= 6 / np.pi * np.arcsin(0.3) <= found.high
+    assert 0.91 <= covered / 300 <= 0.98
+    assert rank_correlation("a", "b")(pd.DataFrame({"a": one[:4], "b": other[:4]})) is None
+
+
+def test_friction_that_only_lifts_the_curve_keeps_its_fullness():
+    table = pd.DataFrame({"value": [0.0, 0, 1, 1], "f_max": [1, 1.1, 3, 3.3]})
+    table["w"] = [0.5, 0.56, 1.5, 1.63]
+    assert ratio_of_fullness(table).value == pytest.approx(0.987, abs=0.005)
 
 
 def test_cost_weighs_force_against_the_number_of_strokes():

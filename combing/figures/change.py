@@ -1,0 +1,84 @@
+"""Change of link density over s, colour by the tine's place, and its jump over x beside it."""
+
+from collections.abc import Callable
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from combing.figures.style import EXPERIMENT, SIMULATION, WIDTH, mark_synthetic, paper_style, plain
+
+METRE_TO_MM = 1e3
+SOURCES = ("experiment", "simulation")
+COLOURS = {"experiment": EXPERIMENT, "simulation": SIMULATION}
+
+
+def draw_change(table: pd.DataFrame, *, synthetic: bool) -> Figure:
+    """Draw one set: experiment over simulation, on the same axes.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Columns set, source, curve (profile, behind, jump), d, x, s, change, sd, as
+        `combing.compare.link_change.changes` makes it, of one set.
+    synthetic : bool
+        Whether the experiment comes from the virtual lab.
+    """
+    sources = [one for one in SOURCES if (table["source"] == one).any()]
+    scaled = table["x"].notna().all()
+    table = table.assign(place=table["x"] if scaled else table["d"] * METRE_TO_MM)
+    name = "$x = d/D$" if scaled else "$d$ (mm)"
+    profiles = table[table["curve"] == "profile"]
+    norm = Normalize(0, 1 if scaled else profiles["place"].max())
+    shades = mpl.colormaps["viridis"]
+    with paper_style():
+        figure = Figure(figsize=(WIDTH, 2.1 * len(sources) + 0.5), layout="constrained")
+        FigureCanvasAgg(figure)
+        grid = figure.subplots(
+            len(sources), 2, squeeze=False, sharex="col", sharey="col", width_ratios=[1.5, 1]
+        )
+        for (left, right), source in zip(grid, sources, strict=True):
+            own = table[(table["curve"] != "jump") & (table["source"] == source)]
+            _profiles(left, own, lambda place: shades(0.92 * float(norm(place))))
+            _jumps(right, table[(table["curve"] == "jump") & (table["source"] == source)], source)
+            left.set_title(source, loc="left")
+        _limits(grid[0][0], profiles)
+        grid[-1][0].set_xlabel("$s$ (mm)")
+        grid[-1][1].set_xlabel(name)
+        grid[0][1].set_title("jump across the tine", loc="left")
+        bar = ScalarMappable(norm, mpl.colors.ListedColormap(shades(np.linspace(0, 0.92, 256))))
+        figure.colorbar(bar, ax=grid[:, 0].tolist(), label=f"tine at {name}", pad=0.02)
+        figure.suptitle(plain(str(table["set"].iloc[0])), fontsize=9)
+        mark_synthetic(figure, synthetic)
+    return figure
+
+
+def _profiles(panel: Axes, rows: pd.DataFrame, colour: Callable[[float], object]) -> None:
+    panel.axhline(0, color="0.6", lw=0.8, dashes=(1, 2))
+    for (place, curve), one in rows.groupby(["place", "curve"]):
+        s, shade = one["s"] * METRE_TO_MM, colour(float(str(place)))
+        low, high = one["change"] - one["sd"], one["change"] + one["sd"]
+        panel.fill_between(s, low, high, color=shade, alpha=0.25, lw=0)
+        panel.plot(s, one["change"], color=shade, lw=1,
+                   ls="--" if curve == "behind" else "-")  # fmt: skip
+    panel.set_ylabel(r"$\Delta\lambda/\lambda_0$")
+
+
+def _jumps(panel: Axes, rows: pd.DataFrame, source: str) -> None:
+    panel.axhline(0, color="0.6", lw=0.8, dashes=(1, 2))
+    rows = rows.sort_values("place")
+    look = {"fmt": "o", "ms": 4, "capsize": 2} if rows["sd"].gt(0).any() else {"lw": 1}
+    panel.errorbar(rows["place"], rows["change"], rows["sd"] if "fmt" in look else None,
+                   color=COLOURS[source], **look)  # fmt: skip
+
+
+def _limits(panel: Axes, profiles: pd.DataFrame) -> None:
+    """Keep the ends' spikes from flattening every curve."""
+    low, high = np.nanpercentile(profiles["change"], [1, 99])
+    room = 0.15 * (high - low) + 0.05
+    panel.set_ylim(min(low - room, -0.1), max(high + room, 0.1))

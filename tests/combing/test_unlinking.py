@@ -1,0 +1,133 @@
+"""Link on both sides of a tine, on pairs whose answer is known."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from combing.compare.link_change import changes
+from combing.errors import UserError
+from combing.study import LinkSet
+from combing.unlinking import combing_ends, link_change, link_facts, link_history, tine_place
+
+PITCH, R, TURNS = 0.008, 4e-4, 12
+HEIGHT = PITCH * TURNS
+
+
+def pair(combed=0.0, tight=1.0):
+    """Hang a double helix whose upper part is straight, the rest `tight` times as wound."""
+    z = np.linspace(0, HEIGHT, 600)
+    phase = 2 * np.pi / PITCH * tight * np.maximum(z - combed, 0)
+    line = np.column_stack([R * np.cos(phase), -R * np.sin(phase), -z])
+    return [line, line * [-1, -1, 1]]
+
+
+class Combing:
+    """A made run: the tine unlinks what it passes, and ahead lambda grows by a tenth till d = D."""
+
+    D = 0.08
+
+    def __init__(self, tight=lambda d: 1.0 + d, handed=1.0):
+        self.displacements = np.linspace(0, 0.1, 26)
+        self.data = SimpleNamespace(attrs={"title": "made"})
+        tine = SimpleNamespace(
+            position=(0, 0, 0), direction=(0, 0, -1), axis=(0, 1, 0), radius=1e-4
+        )
+        rod = SimpleNamespace(radius=R, material=SimpleNamespace(E=1e9))
+        self.scene = SimpleNamespace(tines=[tine], rods=[rod, rod])
+        self._tight, self._handed = tight, handed
+
+    def strands(self, snapshot=-1):
+        d = self.displacements[snapshot]
+        return [one * [1, self._handed, 1] for one in pair(d, self._tight(d) if d else 1.0)]
+
+    def force_log(self):
+        d = np.linspace(0, 0.1, 2001)
+        force = np.where(d < self.D, 0.2 + 2 * d, 0.0) * (d > 0)
+        log = pd.DataFrame({"time": d, "displacement": d, "force": force})
+        log.attrs = {"r": R, "E": 1e9, "specimen": "made", "kind": "simulation", "source": "made"}
+        return log
+
+
+@pytest.mark.parametrize("handed", [1.0, -1.0])
+def test_the_jump_is_what_was_wound(handed):
+    """Behind nothing is linked, ahead 1.25 times the first density: the jump is 1.25."""
+    history = link_history(Combing(lambda d: 1.25, handed))
+    inside = history[(history["x"] > 0.1) & (history["x"] < 0.7)]
+    assert history.attrs["lambda_0"] * handed == pytest.approx(1 / PITCH, rel=0.03)
+    assert inside["jump"].to_numpy() == pytest.approx(1.25, rel=0.06)
+    assert inside["behind"].abs().max() < 0.1 / PITCH
+    assert inside["tine"].to_numpy() == pytest.approx(inside["d"].to_numpy(), abs=PITCH)
+    expected = 0.25 / PITCH * (HEIGHT - inside["d"])
+    assert inside["excess"].to_numpy() == pytest.approx(expected.to_numpy(), rel=0.1, abs=0.2)
+
+
+def test_the_force_is_that_of_the_log_and_x_that_of_its_end():
+    run = Combing()
+    history = link_history(run)
+    assert combing_ends(run) == pytest.approx(run.D, rel=0.02)
+    middle = history[(history["x"] > 0.2) & (history["x"] < 0.9)]
+    assert middle["force"].to_numpy() == pytest.approx(0.2 + 2 * middle["d"].to_numpy(), rel=0.01)
+    assert history["x"].max() <= 1
+    assert len(link_history(run, shots=5)) <= 7
+
+
+def test_the_change_is_nothing_before_and_minus_one_behind_the_tine():
+    table = link_change(Combing(lambda d: 1.5), [0.0, 0.04])
+    assert table.loc[table["d"] == 0, "change"].abs().median() < 0.03
+    combing = table[table["d"] == 0.04]
+    assert combing.loc[combing["s"] < 0.03, "change"].to_numpy() == pytest.approx(-1, abs=0.05)
+    ahead = combing[(combing["s"] > 0.05) & (combing["s"] < 0.08)]
+    assert ahead["change"].to_numpy() == pytest.approx(0.5, abs=0.06)
+
+
+def test_the_tine_is_where_the_strands_meet_it_first():
+    """A kink that comes near the tine's axis again further on is not taken for it."""
+    run = Combing()
+    first, second = pair(0.0)
+    kinked = [one.copy() for one in (first, second)]
+    for one in kinked:
+        one[400:410] += np.array([0, 0.02, 0]) + (np.array([0, 0, -0.03]) - one[405]) * [0, 0, 1]
+    assert tine_place(run, 0.03, *kinked, TURNS) == pytest.approx(0.03, abs=1e-3)
+
+
+def test_facts_of_a_history_that_is_known():
+    x = np.linspace(0, 1, 201)
+    history = pd.DataFrame({"x": x, "force": x, "excess": x**2, "near": 100 + 50 * x})
+    history = history.assign(jump=np.minimum(x, 0.6), behind=20.0, turns=20 - 19 * x)
+    history.attrs = {"lambda_0": -100.0}
+    facts = link_facts(history, [0.902])
+    assert facts["force_and_excess"] == pytest.approx(1)
+    assert facts["most_excess"] == pytest.approx(1)
+    assert facts["below_jams"] == pytest.approx(0.9, abs=0.01)
+    assert facts["jump_growth"] == pytest.approx(0.375, abs=0.01)
+    assert facts["jump_change"] == pytest.approx(0.6 / 0.575 - 1, abs=0.01)
+    assert facts["behind"] == pytest.approx(0.2)
+    assert facts["expelled"] == pytest.approx(0.95)
+    assert np.isnan(link_facts(history, [])["below_jams"])
+
+
+def test_what_is_no_combing_of_a_pair_is_refused():
+    run = Combing()
+    run.scene.tines = []
+    with pytest.raises(UserError, match="made: 2 strands and 0 tines"):
+        link_history(run)
+
+
+def test_changes_of_photographs_are_relative_to_the_one_before():
+    before, seen = (
+        pd.DataFrame({"s": [0.01, 0.02], "link": link, "sd": [5.0, 5.0]})
+        for link in ([100.0, 100.0], [50.0, 130.0])
+    )
+    seen.attrs["sides"] = {
+        "tine": 0.015, "jump": 1.0, "behind": 40.0, "behind_sd": 3.0, "ahead": 120.0,
+        "ahead_sd": 4.0,
+    }  # fmt: skip
+    chosen = LinkSet.model_construct(name="a", combed=0.1)
+    table = changes(chosen, before, [seen], [0.03], None).set_index("curve")
+    assert list(table.loc["profile", "change"]) == pytest.approx([-0.5, 0.3])
+    assert list(table.loc["profile", "sd"]) == pytest.approx([0.05, 0.05])
+    assert table.loc["jump", ["x", "change", "sd"]].tolist() == pytest.approx([0.3, 0.8, 0.05])
+    assert table.loc["behind", "change"].tolist() == pytest.approx([-0.6, -0.6])
+    assert table.loc["behind", "s"].tolist() == [0.0, 0.015]
