@@ -32,6 +32,8 @@ class Section:
         Tables below the figure.
     notes : sequence of str
         What was left out or is doubtful.
+    quote : str
+        Text to copy as it stands.
     """
 
     title: str
@@ -41,6 +43,7 @@ class Section:
     data: str | None = None
     tables: Sequence[tuple[str, pd.DataFrame]] = field(default_factory=list)
     notes: Sequence[str] = ()
+    quote: str = ""
 
 
 def write_report(

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from combing import __version__
 from combing.compare.change_pages import change_sections
 from combing.compare.comparison import Comparison, Findings, all_errors
+from combing.compare.first_page import closing_section, found_section
 from combing.compare.sweep_pages import outcome_sections, sweep_sections
 from combing.figures.errors import draw_errors
 from combing.figures.force import draw_force
@@ -64,6 +65,7 @@ def write_pages(study: Study, findings: Findings, folder: Path) -> None:
         )
     ]
     sections += outcome_sections(comparisons, folder)
+    sections = [*found_section(comparisons), *sections]
     if findings.left_out:
         sections.insert(0, Section("Left out", findings.left_out))
     errors = all_errors(comparisons)
@@ -73,6 +75,7 @@ def write_pages(study: Study, findings: Findings, folder: Path) -> None:
     if study.link or study.curl:
         sections.append(_photographs(study, folder, synthetic))
     sections.append(_origin(findings))
+    sections.append(closing_section(comparisons, study.n_sec, model_version()))
     write_report(
         folder / "report.html",
         study.title,

@@ -239,7 +239,7 @@ def test_link_figure_draws_the_band_of_one_sd_the_reference_and_the_position(tmp
     reference, tine = plain
     np.testing.assert_allclose(reference.get_ydata(), 100)
     np.testing.assert_allclose(tine.get_xdata(), 45)
-    assert panel.get_title(loc="left") == "$d$ = 37 mm"
+    assert panel.get_title(loc="left") == "a, $d$ = 37 mm"
 
 
 def test_figure_of_errors_draws_measured_over_true():
