@@ -16,7 +16,7 @@ from imaging.helix.measurement import HelixMeasurement
 from imaging.helix.winding import Pair, winding_pairs, wound
 from imaging.measure.doubts import doubt_notes
 from imaging.measure.quality import exposure, notes_on
-from imaging.measure.unassigned import unassigned, unassigned_notes
+from imaging.measure.unassigned import unassigned, unassigned_notes, unassigned_table
 from imaging.photo import Photo
 from imaging.scale import Request, Scale, calibrate, from_filament
 from imaging.segment import Segmentation, segment
@@ -118,7 +118,8 @@ def measure(
     notes = hand.notes() + notes_on(photo, segmentation, strands)
     notes += contact_notes(contacts, found)
     notes += hidden_ends(strands) + doubt_notes(strands) + winding
-    notes += unassigned_notes(unassigned(segmentation, strands))
+    left = unassigned(segmentation, strands)
+    notes += unassigned_notes(unassigned_table(left))
     return Measured(
         photo, segmentation, strands, table, contacts, found, dense, scale, links, notes, hand
     )

@@ -7,7 +7,8 @@ import numpy as np
 from scipy.ndimage import map_coordinates
 
 from imaging.photo import Photo
-from imaging.segment.segmentation import NOISE_FACTOR, Segmentation
+from imaging.segment import Segmentation
+from imaging.segment.coverage import NOISE_FACTOR
 from imaging.trace import Strand
 from imaging.trace.centreline import normals
 

@@ -1,34 +1,41 @@
-"""Ridges that are seen on a textured ground and belong to no strand: where, and how long."""
+"""Ridges that are seen and belong to no strand: where, and how long."""
 
 from collections.abc import Sequence
 
 import cv2
 import numpy as np
 import pandas as pd
-from scipy import ndimage
-from skimage.filters import apply_hysteresis_threshold
 from skimage.morphology import skeletonize
 
 from imaging.segment import Segmentation
-from imaging.segment.ridges import HIGH, LOW
+from imaging.segment.crests import stands_out
+from imaging.segment.skeleton import degrees, in_order, linked
 from imaging.trace import Strand
 
 BESIDE = 1.0  # strand widths from a strand's middle; a ridge nearer to it is its own
 SHORTEST = 5.0  # strand widths; a shorter ridge is a speck
 
 
-def unassigned(segmentation: Segmentation, strands: Sequence[Strand]) -> pd.DataFrame:
-    """List the ridges that stand out from the ground's texture and were not followed.
+def unassigned(segmentation: Segmentation, strands: Sequence[Strand]) -> list[np.ndarray]:
+    """Find what stands out from the ground, is long, and was not followed.
 
     Returns
     -------
-    DataFrame
-        Longest first: a point ``x``, ``y`` on the ridge and its ``length`` [px]. Empty on a ground
-        without texture, where ridges are not looked for.
+    list of (n, 2) array
+        Lines along it, the longest first [px].
     """
-    rows = [] if segmentation.ridge is None else _ridges(segmentation, strands)
-    table = pd.DataFrame(rows, columns=["x", "y", "length"], dtype=float)
-    return table.sort_values("length", ascending=False, ignore_index=True)
+    free = ~_claimed(segmentation, strands)
+    lines = _along_pieces(segmentation, free)
+    if segmentation.pieces is None:
+        lines = _along_colours(segmentation, free)
+    long = [line for line in lines if len(line) >= SHORTEST * segmentation.width]
+    return sorted(long, key=len, reverse=True)
+
+
+def unassigned_table(lines: Sequence[np.ndarray]) -> pd.DataFrame:
+    """Tabulate lines of `unassigned`: the point ``x``, ``y`` half-way along, ``length`` [px]."""
+    rows = [(*line[len(line) // 2], float(len(line))) for line in lines]
+    return pd.DataFrame(rows, columns=["x", "y", "length"], dtype=float)
 
 
 def unassigned_notes(table: pd.DataFrame) -> list[str]:
@@ -43,20 +50,28 @@ def unassigned_notes(table: pd.DataFrame) -> list[str]:
     ]
 
 
-def _ridges(
-    segmentation: Segmentation, strands: Sequence[Strand]
-) -> list[tuple[float, float, float]]:
-    assert segmentation.ridge is not None  # noqa: S101
-    strong = apply_hysteresis_threshold(segmentation.ridge, LOW, HIGH)
-    thin = skeletonize(strong & ~_claimed(segmentation, strands))
-    labels, count = ndimage.label(thin, np.ones((3, 3)))
-    rows = []
-    for part, place in enumerate(ndimage.find_objects(labels, count), start=1):
-        at = np.argwhere(labels[place] == part)
-        if len(at) >= SHORTEST * segmentation.width:
-            y, x = at[len(at) // 2] + (place[0].start, place[1].start)
-            rows.append((float(x), float(y), float(len(at))))
-    return rows
+def _along_pieces(segmentation: Segmentation, free: np.ndarray) -> list[np.ndarray]:
+    """Parts of pieces of ridges that lie where no strand is, and that no texture has made."""
+    found = []
+    for piece in segmentation.pieces or []:
+        x, y = np.rint(piece.line).astype(int).T
+        line = piece.line[free[y, x]]
+        if len(line) and stands_out(piece.response, len(line), segmentation.width):
+            found.append(line)
+    return found
+
+
+def _along_colours(segmentation: Segmentation, free: np.ndarray) -> list[np.ndarray]:
+    """Middles of what shows a strand's colour where no strand is."""
+    rest = (segmentation.labels > 0) & free
+    x, y, w, h = cv2.boundingRect(rest.view(np.uint8))
+    if w == 0:
+        return []
+    thin = skeletonize(np.pad(rest[y : y + h, x : x + w], 1))
+    points, touching = linked(thin)
+    simple = degrees(touching) <= 2
+    points, touching = points[simple], touching[simple][:, simple]
+    return [points[path] + [x - 1.0, y - 1.0] for path in in_order(touching)]
 
 
 def _claimed(segmentation: Segmentation, strands: Sequence[Strand]) -> np.ndarray:

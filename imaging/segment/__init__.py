@@ -1,5 +1,6 @@
 """Photograph -> which strand colour each pixel shows, over which ground."""
 
-from imaging.segment.segmentation import Segmentation, segment
+from imaging.segment.photograph import segment
+from imaging.segment.segmentation import Segmentation
 
 __all__ = ["Segmentation", "segment"]

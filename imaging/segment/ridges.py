@@ -16,7 +16,6 @@ from typing import NamedTuple
 import cv2
 import numba
 import numpy as np
-from scipy import ndimage
 
 Array = np.ndarray
 
@@ -29,9 +28,9 @@ JUST_NOTICED = 1.5  # Lab units; smaller differences are no texture
 QUIET = 0.6  # of the samples, taken for ground
 QUIET_SHARE = 0.36  # of the variance of a Gaussian in three dimensions that these have
 SAMPLES = 2500  # at which the ground is looked at, in each direction and width
-HIGH, LOW = 7.0, 4.0  # sds; a ridge exceeds the higher somewhere, the lower throughout
+BROADER = 1.2  # times the response of a narrower ridge that one seen at a larger width must have
+LOW = 4.0  # sds; a ridge exceeds it throughout
 RIM = UNIT + 4  # px around that picture, as far as any mean reaches
-NEAR = 0.7  # widths around a ridge in which its strand lies
 AHEAD = 1.6 * np.arange(-2, 3)  # px along a direction over which colours are averaged
 SHARE = (np.exp(-(AHEAD**2) / 18) / np.exp(-(AHEAD**2) / 18).sum()).astype(np.float32)
 
@@ -59,39 +58,15 @@ def find_ridges(lab: Array, ignore: Array | None = None) -> Ridges:
         np.zeros(shape, np.float32), np.zeros(shape, np.uint8), np.zeros(shape, np.float32)
     )
     for width in _widths(shape):
-        response, way = _at_width(lab, width)
+        _, response, way = at_width(lab, width)
         response = cv2.resize(response, shape[::-1])
         way = cv2.resize(way, shape[::-1], interpolation=cv2.INTER_NEAREST)
-        higher = response > found.response
+        higher = response > BROADER * found.response
         found.response[higher], found.way[higher] = response[higher], way[higher]
         found.width[higher] = width
     if ignore is not None:
         found.response[ignore] = 0
     return found
-
-
-def strong(ridges: Ridges) -> Array:
-    """Mask (h, w) of the ridges that exceed LOW throughout and HIGH somewhere."""
-    weak = ridges.response > LOW
-    number, count = ndimage.label(weak, np.ones((3, 3)))
-    seen = np.zeros(count + 1, bool)
-    seen[number[ridges.response > HIGH]] = True
-    seen[0] = False
-    return seen[number]
-
-
-def near_ridges(ridges: Ridges) -> tuple[Array, float]:
-    """Mask (h, w) of all that lies within about a strand of strong ridges, and their width [px]."""
-    sure = strong(ridges)
-    if not sure.any():
-        return sure, float(UNIT)
-    width = float(np.median(ridges.width[sure]))
-    near = np.zeros_like(sure)
-    for size in np.unique(ridges.width[sure]):
-        own = sure & (ridges.width == size)
-        away = cv2.distanceTransform((~own).view(np.uint8), cv2.DIST_L2, 5)
-        near |= away < NEAR * size + 2
-    return near, width
 
 
 def _widths(shape: tuple[int, ...]) -> list[float]:
@@ -100,8 +75,16 @@ def _widths(shape: tuple[int, ...]) -> list[float]:
     return [finest * ROOT**step for step in range(count)]
 
 
-def _at_width(lab: Array, width: float) -> tuple[Array, Array]:
-    """Response and direction in the picture shrunken so that strands are UNIT pixels wide."""
+def at_width(lab: Array, width: float) -> tuple[Array, Array, Array]:
+    """Look for ridges of one width, in the picture shrunken so that these are UNIT pixels wide.
+
+    Returns
+    -------
+    small : (h, w, 3) array
+        That picture.
+    response, way : (h, w) arrays
+        As those of Ridges.
+    """
     size = [max(8, round(side * UNIT / width)) for side in lab.shape[1::-1]]
     small = lab if width == UNIT else cv2.resize(lab, size, interpolation=cv2.INTER_AREA)
     small = cv2.GaussianBlur(small, (0, 0), 0.8)
@@ -113,7 +96,7 @@ def _at_width(lab: Array, width: float) -> tuple[Array, Array]:
     way = np.zeros(small.shape[:2], np.uint8)
     rows, columns = np.nonzero((away**2).sum(axis=-1) > JUST_NOTICED**2)
     _respond(rimmed, rows, columns, ALONG, ASIDE, SHARE, whiten, response, way)
-    return response, way
+    return small, response, way
 
 
 def _grid(shape: tuple[int, ...]) -> tuple[Array, Array]:

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, depth_first_order
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from skimage.morphology import skeletonize
 
+from imaging.segment.skeleton import degrees, in_order, linked
 from imaging.trace.centreline import resample
 
 TRIM = 0.5  # strand widths at each end of a skeleton, where it turns into a corner
@@ -76,38 +76,19 @@ def _pixel_by_pixel(path: np.ndarray, scale: int) -> np.ndarray:
 
 def _skeleton_paths(mask: np.ndarray, width: float) -> list[np.ndarray]:
     """Skeleton of a mask with an empty rim, in simple paths (n, 2) of points x, y."""
-    points, touching = _linked(_without_spurs(skeletonize(mask), width))
-    junctions = points[_degree(touching) > 2]
+    points, touching = linked(_without_spurs(skeletonize(mask), width))
+    junctions = points[degrees(touching) > 2]
     if len(junctions):
         away = cKDTree(junctions).query(points)[0] > CLEAR * width
         points, touching = points[away], touching[away][:, away]
-    paths = [points[path].astype(float) for path in _in_order(touching)]
+    paths = [points[path].astype(float) for path in in_order(touching)]
     return [_trimmed(path, width) for path in paths if len(path) >= max(4, SPECK * width)]
-
-
-def _linked(skeleton: np.ndarray) -> tuple[np.ndarray, csr_array]:
-    """Points x, y (n, 2) of a skeleton with an empty rim, and which of them touch (n, n)."""
-    at = np.flatnonzero(skeleton)
-    pairs = []
-    for step in (1, skeleton.shape[1] - 1, skeleton.shape[1], skeleton.shape[1] + 1):
-        beside = np.searchsorted(at, at + step).clip(max=len(at) - 1)
-        near = np.flatnonzero(at[beside] == at + step)
-        pairs.append([near, beside[near]])
-    i, j = np.concatenate(pairs, axis=1)
-    ones = np.ones(2 * len(i), np.int8)
-    ends = np.concatenate([i, j]), np.concatenate([j, i])
-    points = np.stack(np.divmod(at, skeleton.shape[1])[::-1], axis=1)
-    return points, csr_array((ones, ends), shape=(len(at), len(at)))
-
-
-def _degree(touching: csr_array) -> np.ndarray:
-    return np.diff(touching.indptr)
 
 
 def _without_spurs(skeleton: np.ndarray, width: float) -> np.ndarray:
     """Drop side branches shorter than a strand is wide: they are corners of its outline."""
-    points, touching = _linked(skeleton)
-    degree = _degree(touching)
+    points, touching = linked(skeleton)
+    degree = degrees(touching)
     junction = degree > 2
     if not junction.any():
         return skeleton
@@ -125,22 +106,6 @@ def _without_spurs(skeleton: np.ndarray, width: float) -> np.ndarray:
     x, y = points[spur].T
     skeleton[y, x] = False
     return skeletonize(skeleton)
-
-
-def _in_order(touching: csr_array) -> list[np.ndarray]:
-    """Points of each simple path, from one end to the other; a ring starts anywhere.
-
-    One walk takes them all, from a point more that leads to the first of each.
-    """
-    count = touching.shape[0]
-    number = connected_components(touching, directed=False)[1]
-    ends_first = np.argsort(_degree(touching), kind="stable")
-    first = ends_first[np.unique(number[ends_first], return_index=True)[1]]
-    i, j = touching.nonzero()
-    leads = np.append(i, np.full(len(first), count)), np.append(j, first)
-    graph = csr_array((np.ones(len(leads[0]), np.int8), leads), shape=(count + 1, count + 1))
-    walk = depth_first_order(graph, count, return_predecessors=False)[1:]
-    return np.split(walk, np.flatnonzero(np.diff(number[walk])) + 1)
 
 
 def _trimmed(path: np.ndarray, width: float) -> np.ndarray:

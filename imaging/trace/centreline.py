@@ -193,17 +193,25 @@ class Sections(NamedTuple):
 Place = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def refine(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> Sections:
+def refine(
+    line: np.ndarray,
+    own: np.ndarray,
+    strand: np.ndarray,
+    width: float,
+    rough: float | None = None,
+) -> Sections:
     """Move a rough centreline (n, 2) to the middle between the strand's edges.
 
     Where one edge is hidden the other is used with the strand's local width; where both are
-    hidden the smoothing spline bridges with least bending.
+    hidden the smoothing spline bridges with least bending, or keeps to the rough line, if that
+    has a relative sd (`rough`).
     """
     smooth = _even(bundled([line]), width)
     for _ in range(2):  # again on the moved line, whose normals are better
         even = resampled(smooth, _step(width))
         found = _seen(even, own, strand, width)
-        smooth = even._replace(points=_weighed(found.middle, found.sd, width))
+        sd = found.sd if rough is None else np.where(np.isfinite(found.sd), found.sd, rough)
+        smooth = even._replace(points=_weighed(found.middle, sd, width))
     return found._replace(line=smooth.points)
 
 
@@ -251,7 +259,7 @@ def _step(width: float) -> float:
 def _even(lines: Bundle, width: float) -> Bundle:
     """Smooth points at equal distances along rough lines."""
     points, count = resampled(lines, _step(width))
-    return Bundle(_smoothed(points, np.ones(len(points)), width / _step(width), count), count)
+    return Bundle(smoothed(points, np.ones(len(points)), width / _step(width), count), count)
 
 
 def _seen(lines: Bundle, own: np.ndarray, strand: np.ndarray, width: float) -> Sections:
@@ -275,7 +283,7 @@ def _weighed(
 ) -> np.ndarray:
     """Smooth points of these relative sds; NaN counts for nothing."""
     weight = np.where(np.isfinite(sd), 1 / np.square(sd), 0)
-    return _smoothed(points, weight, width / _step(width), count)
+    return smoothed(points, weight, width / _step(width), count)
 
 
 def dense(found: Sections, width: float) -> Centreline:
@@ -319,7 +327,7 @@ def _offsets(low: np.ndarray, high: np.ndarray, local: np.ndarray) -> tuple[np.n
     return np.where(np.isfinite(sd), middle, 0), sd
 
 
-def _smoothed(
+def smoothed(
     points: np.ndarray, weight: np.ndarray, width: float, count: np.ndarray | None = None
 ) -> np.ndarray:
     """Smooth evenly spaced points; half power at a wave of SHORTEST_WAVE widths [points].

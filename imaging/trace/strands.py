@@ -8,7 +8,6 @@ joined lines to the middle between the strand's edges.
 
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -27,28 +26,22 @@ from imaging.trace.centreline import (
     sample,
     settle,
 )
+from imaging.trace.chain import Chain, connected, main_tone
 from imaging.trace.contact import Known, moved, place
 from imaging.trace.contact import known as know
 from imaging.trace.corners import without_corners
+from imaging.trace.crest_chains import ridge_chains
 from imaging.trace.doubled import broad_parts, drawn, hold_apart, is_in, keep_sides, stems
-from imaging.trace.matching import Gain, bridge, chains, doubtful, join, refund, within_colour
+from imaging.trace.matching import Gain, chains, doubtful, join, refund, within_colour
 from imaging.trace.tips import led_on
 from imaging.trace.two_tone import beneath, head_on, own_membership
 
-ALARM = 7.0  # sds of the ground's texture; false lines had medians up to 4, cables from 19
+CREST = 4.0  # relative sd of a ridge's crest, where no edge is seen
 ROUNDS = 2  # of placing strands by what the others leave unexplained
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
 WHOLE = 3.0  # strand widths on which most of the width must be seen; else it is another's rim
 SEEN = 0.1  # of the length, the same
 SHARE = 0.3  # of the longest strand of the same colour; a shorter piece is a remnant
-
-
-class Chain(NamedTuple):
-    """Pieces joined: points (n, 2), their colours (n,), places (k, 2) of joins that are guesses."""
-
-    line: np.ndarray
-    tones: np.ndarray
-    doubts: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -85,14 +78,10 @@ class Strand:
     @property
     def colour(self) -> int:
         """The colour that most of the strand has."""
-        return _main(self.tones)
+        return main_tone(self.tones)
 
 
 Draft = tuple[Strand, Sections]  # a strand, and its cross-sections
-
-
-def _main(tones: np.ndarray) -> int:
-    return int(np.bincount(tones).argmax())
 
 
 def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand]:
@@ -188,13 +177,15 @@ def _nearest_tones(line: np.ndarray, known: np.ndarray, tones: np.ndarray) -> np
 
 def _chained(segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarray) -> list[Chain]:
     """Chains of pieces that are long enough to be a strand."""
+    if segmentation.pieces is not None:
+        return ridge_chains(segmentation.pieces, covered, segmentation.width)
     pieces = _pieces(segmentation, coverage)
     ends = ends_of([path for path, _ in pieces], segmentation.width)
     refunds, gains, guesses = _choices(pieces, ends, segmentation, covered, coverage)
     joins = join(ends, refunds, gains)
     unsure = doubtful(joins, gains) | (set(joins) & guesses)
     walks = chains(len(pieces), joins)
-    found = [_connected(walk, pieces, ends, unsure) for walk in walks]
+    found = [connected(walk, pieces, ends, unsure) for walk in walks]
     return _long_enough(found, segmentation.width)
 
 
@@ -241,20 +232,10 @@ def _pieces(segmentation: Segmentation, coverage: np.ndarray) -> list[tuple[np.n
     pieces = []
     for colour, own in enumerate(segmentation.membership):
         whole = branches(segmentation.labels == colour + 1, segmentation.width)
-        whole = [path for path in whole if stands_out(path, segmentation)]
         paths = [part for path in whole for part in without_corners(path, segmentation.width)]
         centred_paths = _centred(paths, own, coverage, segmentation.width)
         pieces += [(path, colour) for path in centred_paths]
     return pieces
-
-
-def stands_out(line: np.ndarray, segmentation: Segmentation) -> bool:
-    """Tell what runs along a line (n, 2) from the ground's texture and from edges of areas."""
-    if segmentation.ridge is None:
-        return True
-    aside = np.linspace(-0.25, 0.25, 5)[:, None] * segmentation.width
-    places = line[:, None] + aside * normals(line)[:, None]
-    return bool(np.median(sample(segmentation.ridge, places).max(axis=1)) > ALARM)
 
 
 def _is_whole(strand: Strand, segmentation: Segmentation, coverage: np.ndarray) -> bool:
@@ -276,36 +257,12 @@ def _centred(
     return [found.get(i, path) for i, path in enumerate(paths)]
 
 
-def _connected(
-    walk: list[tuple[int, bool]],
-    pieces: list[tuple[np.ndarray, int]],
-    ends: list[End],
-    unsure: set[tuple[int, int]],
-) -> Chain:
-    """Join pieces by bridges between them."""
-    parts, tones, doubts = [], [], []
-    for step, (branch, reverse) in enumerate(walk):
-        path, colour = pieces[branch]
-        if step:
-            before, was_reverse = walk[step - 1]
-            leave, entry = 2 * before + (not was_reverse), 2 * branch + reverse
-            gap = bridge(ends[leave], ends[entry])[1:-1]
-            parts.append(gap)
-            tones.append(np.full(len(gap), colour))
-            tones[-1][: len(gap) // 2] = pieces[before][1]
-            if (min(leave, entry), max(leave, entry)) in unsure:
-                doubts.append((ends[leave].point + ends[entry].point) / 2)
-        parts.append(path[::-1] if reverse else path)
-        tones.append(np.full(len(path), colour))
-    return Chain(np.concatenate(parts), np.concatenate(tones), np.reshape(doubts, (-1, 2)))
-
-
 def _long_enough(chained: list[Chain], width: float) -> list[Chain]:
     """Drop specks and remnants; the rest in the order of the colours, longer first."""
     longest: dict[int, float] = {}
     ranked = []
     for chain in chained:
-        colour, length = _main(chain.tones), float(arclength(chain.line)[-1])
+        colour, length = main_tone(chain.tones), float(arclength(chain.line)[-1])
         longest[colour] = max(longest.get(colour, 0), length)
         ranked.append((colour, length, chain))
     ranked.sort(key=lambda one: (one[0], -one[1]))
@@ -324,7 +281,8 @@ def _strand(chain: Chain, segmentation: Segmentation, coverage: np.ndarray) -> D
         line, tones, doubts = line[::-1], tones[::-1], doubts[::-1]
     own = own_membership(segmentation, coverage, line, tones)
     longer = _extended(_extended(line, own, width)[::-1], own, width)[::-1]
-    found = refine(longer, own, coverage, width)
+    crest = None if segmentation.pieces is None else CREST
+    found = refine(longer, own, coverage, width, crest)
     fine = dense(found, width)
     ends = (
         _kind(fine.line[::-1], labels, tones[0], width),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imaging.trace.bundle import bundled, normals_of, resampled
-from imaging.trace.centreline import _smoothed, centred, normals, resample
+from imaging.trace.centreline import smoothed, centred, normals, resample
 
 
 def lines() -> list[np.ndarray]:
@@ -32,10 +32,10 @@ def test_smoothing_ends_with_each_line():
     weights = [rng.uniform(0.2, 1, len(line)) for line in rough]
     weights[3][4:] = 0  # too little is known of the last line
     together = bundled(rough)
-    found = _smoothed(together.points, np.concatenate(weights), 5.0, together.sizes)
+    found = smoothed(together.points, np.concatenate(weights), 5.0, together.sizes)
     parts = together.parted(found)
     for part, line, weight in zip(parts, rough, weights, strict=True):
-        np.testing.assert_allclose(part, _smoothed(line, weight, 5.0), atol=1e-9)
+        np.testing.assert_allclose(part, smoothed(line, weight, 5.0), atol=1e-9)
     assert np.abs(parts[0] - rough[0]).max() > 0.1
     for left in (1, 2, 3):
         np.testing.assert_allclose(parts[left], rough[left], atol=1e-9)

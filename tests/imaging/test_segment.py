@@ -10,7 +10,7 @@ from imaging import Photo, Unmeasurable, segment
 from imaging.photo import bands
 from imaging.segment.ground import Ground, ground_of
 from imaging.segment.palette import find_colours
-from imaging.segment.segmentation import _without_dirt
+from imaging.segment.coverage import _without_dirt
 
 SHAPE = (240, 320)
 

@@ -1,0 +1,73 @@
+"""Strands before a ground with texture: ridges that stand out from it, and then their colours.
+
+Ridges (`ridges`) are cut into pieces along their crests (`crests`); seams of tiles and the like are
+taken out (`lattice`); what covers pixels is told from the ground beside the pieces; colours are
+named after the pieces that have them (`naming`). `imaging.trace` joins the pieces.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from imaging.errors import Unmeasurable
+from imaging.photo import Photo
+from imaging.segment.coverage import EDGE, NO_STRAND, coverage_of, depth_of, shared_out
+from imaging.segment.crests import BROAD, Piece, near_pieces, pieces_of, sure_ones, usual_width
+from imaging.segment.ground import Ground, contrast_of, ground_between, in_even_light
+from imaging.segment.lattice import of_lattice
+from imaging.segment.naming import named, painted
+from imaging.segment.ridges import find_ridges
+from imaging.segment.segmentation import Segmentation
+
+LEAST, MOST = 0.8, 1.8  # times the width at which ridges stand out well; strands are as wide
+
+
+def by_ridge(
+    photo: Photo, lab: np.ndarray, ground: Ground, ruling: np.ndarray | None
+) -> Segmentation:
+    """Separate strands from a ground with texture, and from each other.
+
+    Parameters
+    ----------
+    photo : Photo
+    lab : (h, w, 3) array
+        Taken over: turned into colours in even light.
+    ground : Ground
+    ruling : (h, w) bool array or None
+        Lines of a grid that were erased.
+
+    Raises
+    ------
+    Unmeasurable
+        When nothing stands out from the ground.
+    """
+    pieces = pieces_of(find_ridges(lab, photo.ignore), lab)
+    if pieces:
+        pieces, _ = named(pieces)
+        seam = of_lattice(pieces, lab.shape[:2])
+        pieces = [piece for piece, one in zip(pieces, seam, strict=True) if not one]
+    if pieces:
+        widest = BROAD * usual_width(pieces)
+        pieces = [piece for piece in pieces if piece.width < widest]
+    if not pieces:
+        raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
+    pieces, colours = named(pieces)
+    near = near_pieces(pieces, lab.shape[:2])
+    ground = ground_between(lab, near, usual_width(pieces), ground)
+    coverage, _ = coverage_of(photo, contrast_of(lab, ground), near)
+    width = _seen_width(pieces, coverage > EDGE)
+    labels = painted(pieces, coverage > EDGE, lab, width)
+    membership = shared_out(coverage, labels, len(colours))
+    contrast, nothing = in_even_light(lab, ground), np.zeros(labels.shape, bool)
+    return Segmentation(
+        labels, membership, colours, width, contrast, nothing, coverage, ruling, None, pieces
+    )
+
+
+def _seen_width(pieces: Sequence[Piece], strand: np.ndarray) -> float:
+    """Width of the strands [px]: that of what is covered around sure pieces."""
+    depth, width = depth_of(strand), usual_width(pieces)
+    x, y = np.rint(np.concatenate([p.line for p in sure_ones(pieces)])).astype(int).T
+    deep = depth[y, x]
+    seen = 2 * float(np.median(deep[deep > 0])) - 1 if (deep > 0).any() else width
+    return float(np.clip(seen, LEAST * width, MOST * width))
