@@ -26,12 +26,13 @@ from imaging.report.tables import (
     densities_table,
     link_table,
     strands_table,
+    unassigned_table,
     unresolved_table,
 )
 
 TABLES = (
     "strands.csv", "crossings.csv", "unresolved.csv", "interactions.csv", "densities.csv",
-    "link.csv",
+    "link.csv", "unassigned.csv",
 )  # fmt: skip
 RECORD = "provenance.json"  # written last: its presence says that a photograph is done
 ABOUT = """# What the files hold
@@ -46,11 +47,12 @@ corner of the first pixel: add 0.5 (`rois.zip` has it added). An empty cell is u
 - `interactions.csv` N-body interactions by section of the curl
 - `densities.csv` rho_N with intervals; by the rule asked for, by coarser and finer sections, and
   without sections
+- `unassigned.csv` ridges that stand out from the ground and belong to no strand, longest first
 - `link.csv` link density lambda(s) of each pair of strands that wind round each other
 - `labels.png` strand number of each pixel, 0 = background, the top strand wins
 - `overlay.jpg`, `overlay.svg` what was found, over the photograph: a ring is a crossing, the bar in
   it lies along the strand on top and is missing when that is unknown; a long outline is unresolved
-  contact
+  contact, a dashed line is seen and belongs to no strand
 - `rois.zip` the same for ImageJ's ROI manager (with the extra `formats`)
 - `histogram.png`, `.svg` rho_N; of several photographs `kymograph.png`, `.svg`: strands in
   interactions, section by section, photograph by photograph
@@ -124,18 +126,19 @@ def _fill(folder: Path, name: str, measured: Measured) -> None:
         densities_table(measured.interactions, measured, name),
         densities_table(measured.densities, measured, name),
         link_table(measured, name),
+        unassigned_table(measured, name),
     ]
     for file, table in zip(TABLES, tables, strict=True):
         table.to_csv(folder / file, index=False, float_format="%.7g", lineterminator="\n")
     found = (
         measured.photo, measured.segmentation, measured.strands, measured.crossings,
-        measured.unresolved,
+        measured.unresolved, measured.unassigned,
     )  # fmt: skip
     _write_picture(folder / "labels.png", labels_picture(measured.segmentation, measured.strands))
     (folder / "overlay.jpg").write_bytes(as_jpeg(draw_overlay(*found)))
     (folder / "overlay.svg").write_text(overlay_svg(*found), encoding="utf-8")
     if available():
-        write_rois(folder / "rois.zip", *found[2:])
+        write_rois(folder / "rois.zip", *found[2:5])
     if measured.densities is not None:
         _write_histogram(folder, measured)
     (folder / "DATA.md").write_text(ABOUT + columns_of(tables), encoding="utf-8")

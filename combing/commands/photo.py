@@ -215,6 +215,7 @@ def _row(path: Path, measured: Measured) -> dict[str, Any]:
         "colours": len(measured.segmentation.colours),
         "crossings": int((kinds == "inter").sum()),
         "self_crossings": int((kinds == "self").sum()),
+        "unassigned": len(measured.unassigned),
         "over_unknown": int(measured.crossings["over"][kinds == "inter"].isna().sum()),
         "ends": [list(strand.ends) for strand in measured.strands],
         "strand_width_px": round(measured.segmentation.width, 2),

@@ -51,6 +51,8 @@ class Measured:
         What makes the numbers doubtful, and where.
     hand : Hand
         What was corrected by hand, and what no longer fits.
+    unassigned : list of (n, 2) array
+        Lines along what stands out from the ground and belongs to no strand [px].
     """
 
     photo: Photo
@@ -64,6 +66,7 @@ class Measured:
     links: dict[Pair, HelixMeasurement] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     hand: Hand = field(default_factory=Hand)
+    unassigned: list[np.ndarray] = field(default_factory=list)
 
     @property
     def scale_sd(self) -> float:
@@ -121,7 +124,7 @@ def measure(
     left = unassigned(segmentation, strands)
     notes += unassigned_notes(unassigned_table(left))
     return Measured(
-        photo, segmentation, strands, table, contacts, found, dense, scale, links, notes, hand
+        photo, segmentation, strands, table, contacts, found, dense, scale, links, notes, hand, left
     )
 
 

@@ -46,11 +46,13 @@ def draw_overlay(
     strands: Sequence[Strand],
     crossings: pd.DataFrame,
     contacts: pd.DataFrame | None = None,
+    unassigned: Sequence[np.ndarray] = (),
 ) -> np.ndarray:
     """Draw centrelines, strand numbers and crossings over the photograph, (h, w, 3) uint8 RGB.
 
     A crossing is a ring; the bar in it lies along the strand on top, and is missing when unknown.
-    Unresolved contact (of `imaging.unresolved`) is outlined.
+    Unresolved contact (of `imaging.unresolved`) is outlined; what is seen and belongs to no strand
+    (lines of `Measured.unassigned`) is dashed.
     """
     picture = photo.eight_bits().copy()
     thick = _thickness(segmentation)
@@ -71,6 +73,8 @@ def draw_overlay(
         cv2.polylines(
             picture, [_fixed(outline)], True, ring, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS
         )
+    dashes = [_fixed(dash) for line in unassigned for dash in _dashes(line, segmentation.width)]
+    cv2.polylines(picture, dashes, False, ring, thick, cv2.LINE_AA, shift=SUBPIXEL_BITS)
     for number, strand in enumerate(strands, start=1):
         _write_number(picture, number, strand.line[0])
     return picture
@@ -104,6 +108,12 @@ def _outlines(
         aside = ASIDE * width * normals(line)[at]
         outlines.append(np.concatenate([line[at] + aside, (line[at] - aside)[::-1]]))
     return outlines
+
+
+def _dashes(line: np.ndarray, width: float) -> list[np.ndarray]:
+    """Cut a line of a point a pixel into dashes as long as strands are wide, and gaps."""
+    step = max(2, round(width))
+    return [line[start : start + step] for start in range(0, len(line), 2 * step)]
 
 
 def _thickness(segmentation: Segmentation) -> int:
@@ -148,6 +158,7 @@ def overlay_svg(
     strands: Sequence[Strand],
     crossings: pd.DataFrame,
     contacts: pd.DataFrame | None = None,
+    unassigned: Sequence[np.ndarray] = (),
 ) -> str:
     """Return the overlay as one SVG file: the photograph below, lines that can be edited above.
 
@@ -170,6 +181,7 @@ def overlay_svg(
             *rings,
             *(_svg_bar(bar) for bar in _top_bars(strands, crossings, radius)),
             *_svg_contacts(strands, contacts, segmentation.width),
+            *(_svg_unassigned(line, segmentation.width) for line in unassigned),
             "</g>",
             "</svg>",
             "",
@@ -214,6 +226,12 @@ def _svg_contacts(
         title = f"{pair['strand_a']} and {pair['strand_b']}: unresolved contact"
         drawn.append(f'<polygon points="{points}"><title>{title}</title></polygon>')
     return drawn
+
+
+def _svg_unassigned(line: np.ndarray, width: float) -> str:
+    points = " ".join(f"{x:.2f},{y:.2f}" for x, y in few_points(line, OFF) + 0.5)
+    dash = f'stroke-dasharray="{width:.1f}"'
+    return f'<polyline {dash} points="{points}"><title>unassigned</title></polyline>'
 
 
 def _svg_ring(row: dict[Hashable, Any], radius: float) -> str:

@@ -8,6 +8,7 @@ import pandas as pd
 
 from imaging.helix.measurement import HelixMeasurement
 from imaging.measure import Measured
+from imaging.measure.unassigned import unassigned_table as places_of
 from imaging.scale import Scale
 from imaging.trace import Strand
 from imaging.trace.centreline import arclength, normals
@@ -48,6 +49,8 @@ DICTIONARY = {
     "s_a_from_m, s_a_to_m, s_b_from_m, s_b_to_m, x_from_m, y_from_m, x_to_m, y_to_m": (
         "the same [m] (only with a scale)"
     ),
+    "length": "length of a ridge that is seen and belongs to no strand [px]",
+    "length_m": "the same [m] (only with a scale)",
     "by": "what a hand did to the strand: drawn, joined, split, exchanged; empty = as measured",
     "over_by": "hand = who is on top was said by hand; empty = as measured",
     "corrections": "corrections by hand that changed something in the photograph",
@@ -134,6 +137,17 @@ def unresolved_table(measured: Measured, name: str) -> pd.DataFrame:
         for end in ("from", "to"):
             places = scale.metres(table[[f"x_{end}", f"y_{end}"]].to_numpy(float))
             table[[f"x_{end}_m", f"y_{end}_m"]] = places
+    return _finished(table, measured, name)
+
+
+def unassigned_table(measured: Measured, name: str) -> pd.DataFrame:
+    """Return one row a ridge that is seen and belongs to no strand, its middle and its length."""
+    table = places_of(measured.unassigned)
+    if measured.scale is not None:
+        scale = measured.scale
+        x, y = scale.metres(table[["x", "y"]].to_numpy(float)).T
+        lengths = [arclength(scale.metres(line))[-1] for line in measured.unassigned]
+        table = table.assign(x_m=x, y_m=y, length_m=np.array(lengths, float))
     return _finished(table, measured, name)
 
 

@@ -15,7 +15,7 @@ from combing.commands import photo as photo_command
 
 FILES = {
     "strands.csv", "crossings.csv", "unresolved.csv", "interactions.csv", "densities.csv",
-    "link.csv", "labels.png",
+    "link.csv", "unassigned.csv", "labels.png",
     "overlay.jpg", "overlay.svg", "histogram.png", "histogram.svg", "DATA.md", "provenance.json",
 }  # fmt: skip
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imaging.trace.bundle import bundled, normals_of, resampled
-from imaging.trace.centreline import smoothed, centred, normals, resample
+from imaging.trace.centreline import centred, normals, resample, smoothed
 
 
 def lines() -> list[np.ndarray]:

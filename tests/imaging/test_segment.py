@@ -8,9 +8,9 @@ from drawn.strands import Look, Picture, render
 
 from imaging import Photo, Unmeasurable, segment
 from imaging.photo import bands
+from imaging.segment.coverage import _without_dirt
 from imaging.segment.ground import Ground, ground_of
 from imaging.segment.palette import find_colours
-from imaging.segment.coverage import _without_dirt
 
 SHAPE = (240, 320)
 
