@@ -15,10 +15,11 @@ from imaging.segment.coverage import EDGE, NO_STRAND, coverage_of, depth_of, sha
 from imaging.segment.crests import BROAD, Piece, near_pieces, pieces_of, sure_ones, usual_width
 from imaging.segment.ground import Ground, contrast_of, ground_between, in_even_light
 from imaging.segment.lattice import of_lattice
-from imaging.segment.naming import named, painted
+from imaging.segment.naming import named, of_enough, painted
 from imaging.segment.ridges import find_ridges
 from imaging.segment.segmentation import Segmentation
 
+ENOUGH = 8.0  # strand widths of a colour, all its pieces together; less is no strand
 LEAST, MOST = 0.8, 1.8  # times the width at which ridges stand out well; strands are as wide
 
 
@@ -47,8 +48,9 @@ def by_ridge(
         seam = of_lattice(pieces, lab.shape[:2])
         pieces = [piece for piece, one in zip(pieces, seam, strict=True) if not one]
     if pieces:
-        widest = BROAD * usual_width(pieces)
-        pieces = [piece for piece in pieces if piece.width < widest]
+        width = usual_width(pieces)
+        pieces = [piece for piece in pieces if piece.width < BROAD * width]
+        pieces = of_enough(pieces, ENOUGH * width)
     if not pieces:
         raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
     pieces, colours = named(pieces)

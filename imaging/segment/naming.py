@@ -37,6 +37,12 @@ def named(pieces: Sequence[Piece]) -> tuple[list[Piece], Array]:
     return [p._replace(tone=int(k)) for p, k in zip(pieces, tone, strict=True)], mean
 
 
+def of_enough(pieces: Sequence[Piece], length: float) -> list[Piece]:
+    """Leave out the pieces of colours of which less than a length [px] is seen."""
+    total = np.bincount([p.tone for p in pieces], [len(p.line) for p in pieces])
+    return [piece for piece in pieces if total[piece.tone] >= length]
+
+
 def painted(pieces: Sequence[Piece], strand: Array, lab: Array, width: float) -> Array:
     """Give each strand pixel the number of the colour of the piece it lies on.
 

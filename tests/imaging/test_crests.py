@@ -33,8 +33,9 @@ def test_a_cable_of_any_make_is_one_strand(make):
 
 def test_a_longer_ridge_needs_to_stand_out_less():
     assert stands_out(20.0, 5 * 8, 8)
-    assert not stands_out(5.0, 5 * 8, 8)
-    assert stands_out(5.0, 50 * 8, 8)
+    assert not stands_out(10.0, 5 * 8, 8)
+    assert stands_out(10.0, 50 * 8, 8)
+    assert not stands_out(7.0, 500 * 8, 8)
 
 
 def lattice(step: int) -> list[Piece]:
