@@ -41,6 +41,7 @@ ROUNDS = 2  # of placing strands by what the others leave unexplained
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
 WHOLE = 3.0  # strand widths on which most of the width must be seen; else it is another's rim
 SEEN = 0.1  # of the length, the same
+ALONE = 10.0  # strand widths; what is longer and ends in the open is a strand, however short
 SHARE = 0.3  # of the longest strand of the same colour; a shorter piece is a remnant
 
 
@@ -186,7 +187,7 @@ def _chained(segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarr
     unsure = doubtful(joins, gains) | (set(joins) & guesses)
     walks = chains(len(pieces), joins)
     found = [connected(walk, pieces, ends, unsure) for walk in walks]
-    return _long_enough(found, segmentation.width)
+    return _long_enough(found, segmentation.labels, segmentation.width)
 
 
 def _choices(
@@ -257,8 +258,11 @@ def _centred(
     return [found.get(i, path) for i, path in enumerate(paths)]
 
 
-def _long_enough(chained: list[Chain], width: float) -> list[Chain]:
-    """Drop specks and remnants; the rest in the order of the colours, longer first."""
+def _long_enough(chained: list[Chain], labels: np.ndarray, width: float) -> list[Chain]:
+    """Drop specks and remnants; the rest in the order of the colours, longer first.
+
+    A remnant ends under another strand; what ends in the open at both ends may be a short strand.
+    """
     longest: dict[int, float] = {}
     ranked = []
     for chain in chained:
@@ -270,7 +274,12 @@ def _long_enough(chained: list[Chain], width: float) -> list[Chain]:
         chain
         for colour, length, chain in ranked
         if length >= max(SHORTEST * width, SHARE * longest[colour])
+        or (length >= ALONE * width and _in_the_open(chain.line, labels, colour, width))
     ]
+
+
+def _in_the_open(line: np.ndarray, labels: np.ndarray, colour: int, width: float) -> bool:
+    return all(_kind(way, labels, colour, width) == "free" for way in (line, line[::-1]))
 
 
 def _strand(chain: Chain, segmentation: Segmentation, coverage: np.ndarray) -> Draft:

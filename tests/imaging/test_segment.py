@@ -6,7 +6,7 @@ import pytest
 from drawn.helix import draw_helix
 from drawn.strands import Look, Picture, render
 
-from imaging import Photo, Unmeasurable, segment
+from imaging import Photo, Unmeasurable, segment, trace
 from imaging.photo import bands
 from imaging.segment.coverage import _without_dirt
 from imaging.segment.ground import Ground, ground_of
@@ -182,3 +182,11 @@ def test_the_ground_in_bands_is_the_ground_interpolated_at_once():
 def test_a_picture_of_one_row_has_the_ground_of_its_row():
     lab = np.full((1, 50, 3), (60, 5, -8), np.float32)
     np.testing.assert_allclose(ground_of(lab).rows(slice(0, 1)), lab, atol=1e-3)
+
+
+def test_a_short_strand_of_the_colour_of_a_long_one_is_kept():
+    pixels = np.full((300, 500, 3), 235, np.uint8)
+    pixels[40:50, 20:480] = pixels[220:230, 200:330] = (200, 40, 50)
+    pixels[10:290, 260:270] = (40, 90, 200)
+    strands = trace(segment(Photo(pixels)))
+    assert sorted(round(len(s.line), -1) for s in strands) == [130, 280, 460]
