@@ -11,7 +11,7 @@ import numpy as np
 
 from imaging.errors import Unmeasurable
 from imaging.photo import Photo
-from imaging.segment.coverage import EDGE, NO_STRAND, coverage_of, depth_of, shared_out
+from imaging.segment.coverage import EDGE, coverage_of, depth_of, shared_out
 from imaging.segment.crests import BROAD, Piece, near_pieces, pieces_of, sure_ones, usual_width
 from imaging.segment.ground import Ground, contrast_of, ground_between, in_even_light
 from imaging.segment.lattice import of_lattice
@@ -19,6 +19,9 @@ from imaging.segment.naming import named, of_enough, painted
 from imaging.segment.ridges import find_ridges
 from imaging.segment.segmentation import Segmentation
 
+NOTHING = (
+    "nothing stands out from the background's texture; photograph the strands on a plain surface"
+)
 ENOUGH = 8.0  # strand widths of a colour, all its pieces together; less is no strand
 LEAST, MOST = 0.8, 1.8  # times the width at which ridges stand out well; strands are as wide
 
@@ -52,7 +55,7 @@ def by_ridge(
         pieces = [piece for piece in pieces if piece.width < BROAD * width]
         pieces = of_enough(pieces, ENOUGH * width)
     if not pieces:
-        raise Unmeasurable(f"{photo.source}: {NO_STRAND}")
+        raise Unmeasurable(f"{photo.source}: {NOTHING}")
     pieces, colours = named(pieces)
     near = near_pieces(pieces, lab.shape[:2])
     ground = ground_between(lab, near, usual_width(pieces), ground)
