@@ -7,6 +7,7 @@ what is left); its brightness evens out the light.
 import cv2
 import numpy as np
 
+from imaging.errors import Unmeasurable
 from imaging.photo import Photo
 from imaging.segment.by_colour import by_colour
 from imaging.segment.by_ridge import by_ridge
@@ -20,6 +21,7 @@ LARGER = 4  # px; side of the pixels in which texture is told from noise
 CHANGING = 0.06  # banded cables have 0.1 to 0.6, tangles of strands of one colour each up to 0.03
 SINGLE = 0.7  # of the breadth of what is covered, that strands of one colour have at least
 THICK = 1.25  # times the usual depth; strands cross or touch
+DOTS = "is made of black and white dots, in which no strand can be followed; save it in colour"
 COVERED = 0.3  # of the picture; strands cover less, so that more is ground of another colour
 
 
@@ -44,6 +46,8 @@ def segment(photo: Photo) -> Segmentation:
     contrast = contrast_of(lab, ground)
     ruling = erase_ruling(lab, contrast, ground)
     if _hides_strands(lab, ground):
+        if len(np.unique(photo.pixels)) == 2:
+            raise Unmeasurable(f"{photo.source}: {DOTS}")
         return by_ridge(photo, lab, ground, ruling)
     found = by_colour(photo, lab, ground, contrast, ruling)
     if changing(found) > CHANGING:

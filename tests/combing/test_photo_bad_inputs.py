@@ -258,8 +258,8 @@ CASES = {
     "strands of the ground's colour": Case(
         saved("a.png", lambda: drawn(colours=(GROUND,) * 3, noise=0.02)), "nothing stands out"
     ),
-    "one bit": Case(saved("a.png", mode="1"), "cannot be followed as a strand"),
-    "out of focus": Case(saved("a.png", lambda: drawn(blur=10)), "nothing stands out"),
+    "one bit": Case(saved("a.png", mode="1"), "black and white dots"),
+    "out of focus": Case(saved("a.png", lambda: drawn(blur=10)), "cannot be followed as a strand"),
     # the scale
     "scale of nonsense": Case(GOOD, "scale 'fast' is not understood", options=("--scale", "fast")),
     "scale without unit": Case(GOOD, "write it as 40px/mm", options=("--scale", "40")),
