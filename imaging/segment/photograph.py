@@ -19,6 +19,7 @@ from imaging.segment.segmentation import Segmentation
 MEDIAN = 0.6745  # sds of a Gaussian; half of it lies within
 LARGER = 4  # px; side of the pixels in which texture is told from noise
 CHANGING = 0.06  # banded cables have 0.1 to 0.6, tangles of strands of one colour each up to 0.03
+PAIR = 3  # colours; two or three may be of strands twisted together, which change places as often
 SINGLE = 0.7  # of the breadth of what is covered, that strands of one colour have at least
 THICK = 1.25  # times the usual depth; strands cross or touch
 DOTS = "is made of black and white dots, in which no strand can be followed; save it in colour"
@@ -50,7 +51,7 @@ def segment(photo: Photo) -> Segmentation:
             raise Unmeasurable(f"{photo.source}: {DOTS}")
         return by_ridge(photo, lab, ground, ruling)
     found = by_colour(photo, lab, ground, contrast, ruling)
-    if changing(found) > CHANGING:
+    if len(found.colours) > PAIR and changing(found) > CHANGING:
         lab = photo.lab()
         erase_ruling(lab, contrast_of(lab, ground), ground)
         return by_ridge(photo, lab, ground, ruling)
