@@ -126,17 +126,15 @@ def facing_tine(buf, a, m, tines):
 
 
 @formula
-def gap_at(curve, s, u):
-    """Return the vector to a curve at s from the next place on the axis u, and where that is."""
-    w = place_on(curve, s)
-    t = min(max(dot(w, u) / dot(u, u), 0.0), 1.0)
-    return along(w, -t, u), t
+def off_axis(w, u):
+    """Return the vector to w from the next place on the axis from the origin to u."""
+    return along(w, -min(max(dot(w, u) / dot(u, u), 0.0), 1.0), u)
 
 
 @formula
 def outside(curve, s, u, reach):
     """Return squared distance less reach^2 of a curve at s from an axis, and half its slope."""
-    gap, _ = gap_at(curve, s, u)
+    gap = off_axis(place_on(curve, s), u)
     return dot(gap, gap) - reach * reach, dot(gap, slope_on(curve, s))
 
 
@@ -194,7 +192,7 @@ def energy_with(buf, a, m, tines):
     low, high = tine_interval(curve, u, reach)
     line, total = tines.stiffness * buf[LENGTH + a] * (high - low), 0.0
     for node, weight in GAUSS:
-        gap, _ = gap_at(curve, low + (high - low) * node, u)
+        gap = off_axis(place_on(curve, low + (high - low) * node), u)
         deep = max(reach - math.sqrt(dot(gap, gap)), 0.0)
         total += 0.5 * line * weight * deep * deep
     return total
@@ -231,7 +229,7 @@ def press_tine(buf, a, m, curve, u, low, high, reach, spring, tines, viscous):
     total = sum_s = 0.0
     for node, weight in GAUSS:
         s = low + (high - low) * node
-        gap, _ = gap_at(curve, s, u)
+        gap = off_axis(place_on(curve, s), u)
         distance = math.sqrt(dot(gap, gap)) + 1e-300
         deep = max(reach - distance, 0.0)
         if viscous is not None:
@@ -263,17 +261,20 @@ def damped(buf, a, m, s, gap, distance, deep, tines, viscous):
 
 @kernel
 def rub_tine(buf, a, m, curve, u, s, normal, spring, dt, tines, friction):
-    """Add the friction of element a at s on tine m and return the force on the element [N]."""
+    """Add the friction of element a at s on tine m and return the force on the element [N].
+
+    Its arm about the tine is that of the chord, along which the tension acts that it changes; that
+    of the curve would raise the exponent of the capstan by l^2/8R^2.
+    """
     now, motion = tines.now[m], tines.motion[m]
-    gap, _ = gap_at(curve, s, u)
+    start, chord, _, _ = curve
+    gap = off_axis(along(start, s, chord), u)
     to_tine = (-gap[0], -gap[1], -gap[2])
     share = buf[RADIUS + a] / (buf[RADIUS + a] + now[2])
-    arm = along(minus(place_on(curve, s), along(curve[0], s, curve[1])), share, to_tine)
+    arm = (share * to_tine[0], share * to_tine[1], share * to_tine[2])
     drive = (now[1] * motion[0], now[1] * motion[1], now[1] * motion[2])
     velocity = minus(surface_velocity(buf, a, s, arm), drive)
-    f = rubbing_force(
-        velocity, to_tine, slope_on(curve, s), normal, spring, dt, friction, tines.slip[m, a]
-    )
+    f = rubbing_force(velocity, to_tine, chord, normal, spring, dt, friction, tines.slip[m, a])
     push(buf, F0, F1, F2, a, f, 1.0 - s)
     push(buf, F0, F1, F2, a + 1, f, s)
     push(buf, C0, C1, C2, a, to_body(buf, a, cross(arm, f)), 1.0)
