@@ -29,7 +29,7 @@ class Jam:
     """
 
     elements: float = 12.0
-    safety: float = 0.75
+    safety: float = 0.95
     speed: float = 0.2
     stiffness: float = 0.3
     reach: float = 0.021
