@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from sim.marching import Marching
 
 Arrays = dict[str, NDArray[Any]]
-FORMAT = 1  # of what is saved: to be raised with every change of the lists below
+FORMAT = 2  # of what is saved: to be raised with every change of the lists below
 ROWS = "X0 X1 X2 V0 V1 V2 Q00 Q01 Q02 Q10 Q11 Q12 Q20 Q21 Q22 W0 W1 W2 A0 A1 A2 G0 G1 G2 ROAM SWAY"
 NUMBERS = ("steps", "ticks", "parts", "finest", "calm")
 PAIRS = ("deep", "tight")
 REPLACED = ("contact.pairs", "contact.listed")  # by every new list, never written to in place
 RECORDS = {
     "contact": ("pairs", "slip", "listed", "runs", "play"),
+    "planes": ("load", "slip"),
     "tines": ("now", "load", "work", "slip"),
     "driven": ("work", "reaction"),
     "pulled": ("work",),

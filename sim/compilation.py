@@ -64,6 +64,7 @@ def _mark(scene: Scene) -> Path:
     """Return the file that tells whether these effects have been compiled for this processor."""
     effects = all_effects(scene, build(scene), dt=1.0)._asdict()
     present = [name for name, value in effects.items() if value is not None]
-    if effects["tines"] is not None and effects["tines"].viscous is not None:
+    bodies = effects["tines"] or effects["planes"]
+    if bodies is not None and bodies.viscous is not None:
         present.append("damped")
     return CACHE / "-".join(["compiled", llvmlite.binding.get_host_cpu_name(), *present])

@@ -20,6 +20,7 @@ from sim.errors import Unstable
 from sim.kernels.contact import Friction, contact_forces
 from sim.kernels.ends import pull
 from sim.kernels.march import Effects
+from sim.kernels.plane import plane_forces
 from sim.kernels.rod import clear_loads, drift, stretch_and_shear
 from sim.kernels.tine import place, tine_forces
 from sim.marching import Marching
@@ -28,7 +29,7 @@ from sim.timestep import SPRING
 
 Array = NDArray[np.float64]
 
-ELASTIC, VISCOUS, WEIGHT, LOAD, MOTION, RODS, TINE, RUBBING, DASHPOT = (
+ELASTIC, VISCOUS, WEIGHT, LOAD, MOTION, RODS, TINE, PLANE, RUBBING, DASHPOT = (
     "elasticity",
     "material damping",
     "gravity",
@@ -36,8 +37,9 @@ ELASTIC, VISCOUS, WEIGHT, LOAD, MOTION, RODS, TINE, RUBBING, DASHPOT = (
     "prescribed motion",
     "contact of rods",
     "contact with a tine",
+    "contact with a plane",
     "friction",
-    "damping of the tine contact",
+    "damping of the contact with tines and planes",
 )
 REMEDY = {
     ELASTIC: "start closer to the shape at rest, or mesh finer where it bends sharply",
@@ -47,6 +49,7 @@ REMEDY = {
     MOTION: "lower the velocity of this end, or lengthen its ramp",
     RODS: "draw the rods with less overlap, or lower contact.stiffness",
     TINE: "lower the tine's speed, lengthen its insertion, or lower contact.stiffness",
+    PLANE: "draw the rods clear of the plane, or lower contact.stiffness",
     RUBBING: "lower the coefficients of friction",
     DASHPOT: "lower damping.tine or safety",
 }
@@ -94,7 +97,7 @@ def _runaway(march: Marching, node: int) -> tuple[str, str, str, str]:
     if march.state.row("INV_MASS")[node] == 0:
         return MOTION, MOTION, "its prescribed motion is that fast", REMEDY[MOTION]
     forces = {name: float(np.linalg.norm(force[:, node])) for name, force in by_effect(march)}
-    touching = {name: forces[name] for name in (RODS, TINE) if name in forces}
+    touching = {name: forces[name] for name in (RODS, TINE, PLANE) if name in forces}
     near = any(touching.values()) or _has_neighbours(march, node)
     mode, limit, sustained = _local_limit(march, node, near)
     if march.step > limit:
@@ -111,7 +114,7 @@ def _runaway(march: Marching, node: int) -> tuple[str, str, str, str]:
     why = f"the largest force there is that of {effect}, {forces[effect]:.3g} N"
     if effect == ELASTIC and (driver := _driver(march)) is not None:
         effect, why = driver, f"the energy came in by {driver}"
-    own = SPRING if effect in (RODS, TINE) else mode if effect == ELASTIC else effect
+    own = SPRING if effect in (RODS, TINE, PLANE) else mode if effect == ELASTIC else effect
     return effect, own, why, REMEDY[effect]
 
 
@@ -139,7 +142,7 @@ def _local_limit(march: Marching, node: int, near: bool) -> tuple[str, float, fl
     damping [s].
     """
     effects = march.effects
-    touched = effects.contact or effects.tines
+    touched = effects.contact or effects.tines or effects.planes
     stiffness = touched.stiffness if near and touched is not None else None
     beside = [i for i in (node - 1, node) if march.state.row("LENGTH")[i] > 0]
     parts = {name: terms[beside] for name, terms in timestep.modes(march.state, stiffness).items()}
@@ -147,12 +150,13 @@ def _local_limit(march: Marching, node: int, near: bool) -> tuple[str, float, fl
     worst = int(np.argmax(total))
     limit = float(1 / np.sqrt(total[worst]))
     mode = max(parts, key=lambda name: float(parts[name][worst]))
-    sinks = effects.viscous, limit, _tine_viscous(effects), float(parts[SPRING][worst])
+    sinks = effects.viscous, limit, _touch_viscous(effects), float(parts[SPRING][worst])
     return mode, limit, limit * float(timestep.damped(*sinks))
 
 
-def _tine_viscous(effects: Effects) -> float | None:
-    return None if effects.tines is None else effects.tines.viscous
+def _touch_viscous(effects: Effects) -> float | None:
+    bodies = effects.tines or effects.planes
+    return None if bodies is None else bodies.viscous
 
 
 def by_effect(march: Marching) -> Iterator[tuple[str, Array]]:
@@ -169,9 +173,10 @@ def by_effect(march: Marching) -> Iterator[tuple[str, Array]]:
     for name, force in _outer(then, effects, time, dt):
         outer = outer - force
         yield name, force
-    if effects.friction is not None or effects.tine_friction is not None:
+    rubs = effects.friction, effects.tine_friction, effects.plane_friction
+    if any(each is not None for each in rubs):
         yield RUBBING, outer  # what is left
-    elif _tine_viscous(effects) is not None:
+    elif _touch_viscous(effects) is not None:
         yield DASHPOT, outer
 
 
@@ -206,9 +211,19 @@ def _outer(then: State, effects: Effects, time: float, dt: float) -> Iterator[tu
     if effects.tines is not None:
         clear_loads(buf, n)
         place(effects.tines, time)
-        undamped = effects.tines._replace(viscous=None if _tine_viscous(effects) is None else 0.0)
-        tine_forces(buf, n, dt, undamped, _smooth(effects.tine_friction))
+        tine_forces(buf, n, dt, _undamped(effects.tines), _smooth(effects.tine_friction))
         yield TINE, then.rows("F0 F1 F2")
+
+    if effects.planes is not None:
+        clear_loads(buf, n)
+        still = None if effects.plane_friction is None else 0 * effects.plane_friction
+        plane_forces(buf, n, dt, _undamped(effects.planes), still, effects.ledger)
+        yield PLANE, then.rows("F0 F1 F2")
+
+
+def _undamped(bodies: Any) -> Any:
+    """Return tines or planes without damping: the kernels are compiled for its type."""
+    return bodies._replace(viscous=None if bodies.viscous is None else 0.0)
 
 
 def _smooth(friction: Friction | None) -> Friction | None:

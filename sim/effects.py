@@ -11,6 +11,7 @@ from sim.kernels import contact as contact_kernel
 from sim.kernels import ends as ends_kernel
 from sim.kernels import ledger as ledger_kernel
 from sim.kernels import march as march_kernel
+from sim.kernels import plane as plane_kernel
 from sim.kernels import tine as tine_kernel
 from sim.scene import End, Motion, Scene, Tine
 from sim.state import State
@@ -20,7 +21,7 @@ SOFTNESS = 0.3  # default line stiffness of contact as a fraction of Young's mod
 
 def stiffness(scene: Scene) -> float | None:
     """Return the line stiffness of contact [N/m^2], None where nothing can touch."""
-    if scene.contact is None and not scene.tines:
+    if scene.contact is None and not scene.tines and not scene.planes:
         return None
     given = scene.contact.stiffness if scene.contact is not None else None
     return given or SOFTNESS * min(rod.material.E for rod in scene.rods)
@@ -45,9 +46,9 @@ def viscous(scene: Scene) -> float | None:
     return scene.damping.material
 
 
-def tine_viscous(scene: Scene) -> float | None:
-    """Return the Kelvin-Voigt time of the contact with tines [s], if that damps."""
-    if scene.damping is None or scene.damping.tine == 0 or not scene.tines:
+def touch_viscous(scene: Scene) -> float | None:
+    """Return the Kelvin-Voigt time of the contact with tines and planes [s], if that damps."""
+    if scene.damping is None or scene.damping.tine == 0 or not (scene.tines or scene.planes):
         return None
     return scene.damping.tine
 
@@ -115,8 +116,26 @@ def tines(scene: Scene, state: State) -> tine_kernel.Tines | None:
     slip = np.zeros((m, state.n if scene.friction else 1, 3))
     return tine_kernel.Tines(
         line_stiffness, geometry, np.array([_program(t) for t in scene.tines]),
-        np.zeros((m, 7)), np.zeros((m, 3)), np.zeros(1), slip, tine_viscous(scene),
+        np.zeros((m, 7)), np.zeros((m, 3)), np.zeros(1), slip, touch_viscous(scene),
     )  # fmt: skip
+
+
+def planes(scene: Scene, state: State) -> plane_kernel.Planes | None:
+    """Return all planes of the scene, if any."""
+    line_stiffness = stiffness(scene)
+    if not scene.planes or line_stiffness is None:
+        return None
+    geometry = np.array([[*plane.point, *_unit(plane.normal)] for plane in scene.planes])
+    m = len(geometry)
+    slip = np.zeros((m, state.n if plane_friction(scene) is not None else 1, 3))
+    damped = touch_viscous(scene)
+    return plane_kernel.Planes(line_stiffness, geometry, np.zeros((m, 3)), slip, damped)
+
+
+def plane_friction(scene: Scene) -> np.ndarray | None:
+    """Return the coefficient on every plane, (m,), None if none has any."""
+    found = np.array([plane.friction for plane in scene.planes])
+    return found if found.any() else None
 
 
 def _program(tine: Tine) -> list[float]:
@@ -185,6 +204,8 @@ def all_effects(scene: Scene, state: State, dt: float) -> march_kernel.Effects:
         friction=friction(scene),
         tines=tines(scene, state),
         tine_friction=tine_friction(scene),
+        planes=planes(scene, state),
+        plane_friction=plane_friction(scene),
         driven=driven(scene, state),
         pulled=pulled(scene, state),
         ledger=ledger(scene, state),

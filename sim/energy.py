@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sim.kernels.ledger import contact_energy, tine_energy
+from sim.kernels.plane import Planes
 from sim.marching import Marching
 from sim.state import State
 
@@ -33,6 +34,17 @@ def weight_energy(state: State, gravity: tuple[float, float, float]) -> float:
     return -float(np.array(gravity) @ state.rows("X0 X1 X2") @ state.row("MASS"))
 
 
+def plane_energy(state: State, planes: Planes) -> float:
+    """Return the energy stored in the contact with planes [J]."""
+    total = 0.0
+    for x, y, z, *normal in planes.geometry:
+        height = np.array(normal) @ (state.rows("X0 X1 X2") - [[x], [y], [z]])
+        near, far = (state.row("RADIUS") - h for h in (height, np.roll(height, -1)))
+        squares = np.maximum(near, 0) ** 2 + np.maximum(far, 0) ** 2
+        total += float(0.25 * planes.stiffness * np.sum(state.row("LENGTH") * squares))
+    return total
+
+
 def books(march: Marching) -> dict[str, float]:
     """Return what is stored, what was put in and what was lost since the start [J].
 
@@ -53,6 +65,7 @@ def books(march: Marching) -> dict[str, float]:
         "weight": weight_energy(state, effects.gravity) if effects.gravity else 0.0,
         "contact": contact_energy(state.buf, state.n, effects.contact) if effects.contact else 0.0,
         "tine_contact": tine_energy(state.buf, state.n, effects.tines) if effects.tines else 0.0,
+        "plane_contact": plane_energy(state, effects.planes) if effects.planes else 0.0,
     }
     put_in = {
         "work_tines": effects.tines.work[0] if effects.tines else 0.0,

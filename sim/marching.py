@@ -121,7 +121,7 @@ def begin(scene: Scene, dt: float | None = None) -> Marching:
     """
     state = build(scene)
     limit = timestep.stable_step(
-        state, effects.stiffness(scene), effects.viscous(scene), effects.tine_viscous(scene)
+        state, effects.stiffness(scene), effects.viscous(scene), effects.touch_viscous(scene)
     )
     step = timestep.choose_step(scene, limit) if dt is None else dt
     return Marching(scene, state, effects.all_effects(scene, state, step), limit, step)

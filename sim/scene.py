@@ -186,7 +186,7 @@ class Damping(Part):
     `material` is the Kelvin-Voigt time: stress = modulus (strain + material strain rate). A motion
     of angular frequency w is damped by w material/2 of critical, so a time near a step of the march
     drains the fast modes that sliding contact feeds and leaves slow bending alone. `tine` is that
-    of the contact with tines, of line stiffness k: bouncing there is damped by
+    of the contact with tines and planes, of line stiffness k: bouncing there is damped by
     tine/2 sqrt(k/(rho A)) of critical, 0.2 of which ends chatter under friction.
     """
 
@@ -242,6 +242,23 @@ class Tine(Part):
         return min(self.ramp, self.travel / speed)
 
 
+class Plane(Part):
+    """Rigid plane, a floor or a wall, through `point` [m]: rods stay where its `normal` leads.
+
+    `friction` is Coulomb's coefficient of every rod on it.
+    """
+
+    point: Vector = (0.0, 0.0, 0.0)
+    normal: Vector = (0.0, 0.0, 1.0)
+    friction: NotNegative = 0.0
+
+    @model_validator(mode="after")
+    def _has_a_side(self) -> Plane:
+        if not any(self.normal):
+            raise ValueError("normal = (0, 0, 0): a direction needs a length")
+        return self
+
+
 class Output(Part):
     """What is recorded: force samples per second (each a mean over its window), snapshots.
 
@@ -265,6 +282,7 @@ class Scene(Part):
     friction: Friction | None = None
     damping: Damping | None = None
     tines: list[Tine] = []
+    planes: list[Plane] = []
     rotary_inertia: Literal["section", "element"] = "section"
     time_step: Positive | None = None
     safety: Annotated[float, Field(gt=0, le=1)] = 0.75

@@ -29,7 +29,8 @@ def resolved(march: Marching) -> tuple[float, float, float]:
     element, since its ends part at twice their speed at most: one look at speeds is then enough.
     """
     radius = min(rod.radius for rod in march.scene.rods)
-    touches = march.contact is not None or march.tines is not None
+    effects = march.effects
+    touches = any(each is not None for each in (effects.contact, effects.tines, effects.planes))
     fastest = MOVED * radius / march.step if touches else math.inf
     strained = STRAINED / march.step
     shortest = 1 / march.state.row("INV_LENGTH").max()

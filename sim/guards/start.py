@@ -24,9 +24,10 @@ def refuse_start(march: Marching) -> None:
     ------
     SceneError
         Two strands overlap by more than 5 % of the contact distance, the sagitta of their chords
-        left out, or a tine covers a clamped or pinned end.
+        left out, a tine covers a clamped or pinned end, or a strand lies in a plane or behind it.
     """
     _refuse_covered_ends(march)
+    _refuse_buried(march)
     contact = march.scene.contact
     if contact is not None and contact.overlap == "refuse":
         _refuse_overlap(march)
@@ -75,6 +76,21 @@ def _refuse_covered_ends(march: Marching) -> None:
                         f"it covers with its radius of {tine.radius:.3g} m; make it thinner or put "
                         "it elsewhere"
                     )
+
+
+def _refuse_buried(march: Marching) -> None:
+    """Refuse strands that lie in a plane or behind it."""
+    for m, plane in enumerate(march.scene.planes):
+        normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
+        for number, nodes in enumerate(march.state.strands()):
+            height = (nodes - plane.point) @ normal
+            node, radius = int(np.argmin(height)), march.scene.rods[number].radius
+            if height[node] < (1 - OVERLAP) * radius:
+                raise SceneError(
+                    f"planes.{m}: node {node} of rod {number}, of radius {radius:.3g} m, is drawn "
+                    f"{height[node]:.3g} m above it; draw the rod on the side where normal = "
+                    f"{plane.normal} leads, clear of the plane"
+                )
 
 
 def _distance_to_axis(

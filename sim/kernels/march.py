@@ -5,12 +5,15 @@ An absent effect is ``None``; the compiler prunes its branch, so it costs nothin
 
 from typing import NamedTuple
 
+import numpy as np
+
 from sim.kernels.compiled import kernel
 from sim.kernels.contact import Contact, Friction
 from sim.kernels.ends import Driven, Pulled, drive, pull, react
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.ledger import Ledger, kick_and_book, touch_and_book
 from sim.kernels.neighbours import moved_far
+from sim.kernels.plane import Planes, plane_forces
 from sim.kernels.rod import (
     bend_and_twist,
     clear_loads,
@@ -38,7 +41,7 @@ class Effects(NamedTuple):
     """All effects of a scene, None where it has not got one.
 
     `keep` is the fraction of all velocities that drag lets survive a step, `viscous` the
-    Kelvin-Voigt time [s]. Friction on tines has coefficients of its own.
+    Kelvin-Voigt time [s]. Friction on tines has coefficients of its own, every plane has one (m,).
     """
 
     keep: float | None = None
@@ -48,6 +51,8 @@ class Effects(NamedTuple):
     friction: Friction | None = None
     tines: Tines | None = None
     tine_friction: Friction | None = None
+    planes: Planes | None = None
+    plane_friction: np.ndarray | None = None
     driven: Driven | None = None
     pulled: Pulled | None = None
     ledger: Ledger | None = None
@@ -85,6 +90,13 @@ def touch(buf, n, time, dt, contact, friction, tines, tine_friction, ledger):
         touch_and_book(buf, n, time, dt, contact, friction, tines, tine_friction, ledger)
     else:
         touching_loads(buf, n, time, dt, contact, friction, tines, tine_friction)
+
+
+@kernel
+def bear(buf, n, dt, planes, plane_friction, ledger):
+    """Add the contact with planes, if there are any; the ledger's friction comes before."""
+    if planes is not None:
+        plane_forces(buf, n, dt, planes, plane_friction, ledger)
 
 
 @kernel
@@ -185,15 +197,17 @@ def march(buf, n, time, dt, steps, limits, effects):
     WOUND: in that step an element turned by nearly half a turn against its neighbour. DEEP: in that
     step strands were half the contact distance apart, or nearly.
     """
-    keep, viscous, gravity, contact, friction, tines, tine_friction, driven, pulled, ledger = (
-        effects
-    )
+    (
+        keep, viscous, gravity, contact, friction, tines, tine_friction, planes, plane_friction,
+        driven, pulled, ledger,
+    ) = effects  # fmt: skip
     middle, step = time + 0.5 * dt, 0
     lead(buf, driven, middle)
     drift(buf, n, 0.5 * dt)
     while not is_stale(buf, n, contact):
         wound = body_loads(buf, n, middle, dt, viscous, gravity, pulled)
         touch(buf, n, middle, dt, contact, friction, tines, tine_friction, ledger)
+        bear(buf, n, dt, planes, plane_friction, ledger)
         record(buf, driven, dt)
         speed_up(buf, n, dt, keep, viscous, ledger)
         lead(buf, driven, middle)  # drag has slowed them too

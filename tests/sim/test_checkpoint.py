@@ -15,7 +15,7 @@ import sim
 from sim.checkpoint import FORMAT, freeze, thaw
 from sim.explicit import Explicit
 from sim.journal import Journal
-from sim.scene import Contact, Damping, End, Friction, Load, Motion, Output
+from sim.scene import Contact, Damping, End, Friction, Load, Motion, Output, Plane
 
 
 def scene(**changes):
@@ -233,6 +233,10 @@ def test_a_checkpoint_of_another_format_is_refused(tmp_path, stopped):
     assert_refused_and_untouched(part, "checkpoint.npz", scene())
 
 
+# Beside the strands, one of which is thrown against it.
+WALL = Plane(point=(0.0, -2.1 * 4.25e-4, 0.0), normal=(0.0, 1.0, 0.0), friction=0.2)
+
+
 def everything():
     rods = list(scene().rods)
     tip = End(hold="clamped", motion=Motion(velocity=(0, 0, 1e-3)))
@@ -241,6 +245,7 @@ def everything():
     return scene(
         rods=rods,
         gravity=(0.0, 0.0, -9.81),
+        planes=[WALL],
         damping=Damping(drag=1.0, material=1e-6),
         output=Output(energy=True),
     )
@@ -258,6 +263,8 @@ ALONE = {
     "tine": {"tines": scene().tines},
     "tine damping": {"tines": scene().tines, "damping": Damping(tine=1e-6)},
     "tine friction": {"tines": scene().tines, "friction": Friction(forward=0.3, backward=0.3)},
+    "plane": {"planes": [WALL.model_copy(update={"friction": 0.0})]},
+    "plane friction": {"planes": [WALL]},
     "motion": {"rods": [everything().rods[0]]},
     "load": {"rods": [everything().rods[1]]},
     "energy": {"output": Output(energy=True)},

@@ -28,7 +28,7 @@ for name, module in sorted(sys.modules.items()):
 """
 EFFECTS = {  # a kernel of each effect
     "weigh", "contact_forces", "wedges", "press_run", "rub_run", "tine_forces", "place", "drive",
-    "react", "pull", "kick_and_book", "strain_rate", "turning_rate", "moved_far",
+    "react", "plane_forces", "pull", "kick_and_book", "strain_rate", "turning_rate", "moved_far",
 }  # fmt: skip
 
 
@@ -63,6 +63,7 @@ def test_bare_rods_compile_no_kernel_of_any_effect(tmp_path):
             "dict(contact=__import__('sim.scene').scene.Contact())",
             {"contact_forces", "wedges", "press_run", "moved_far"},
         ),
+        ("dict(planes=[__import__('sim.scene').scene.Plane(point=(0, 0, -1))])", {"plane_forces"}),
         (
             "dict(damping=__import__('sim.scene').scene.Damping(material=1e-7))",
             {"strain_rate", "turning_rate"},
