@@ -7,7 +7,7 @@ import pandas as pd
 
 from combing import __version__
 from combing.compare.comparison import Comparison
-from combing.report import Section
+from combing.report import Section, shown
 
 BIBTEX = """\
 @article{plumbreyes2021combing,
@@ -73,7 +73,7 @@ def _force(found: Comparison) -> Iterator[str]:
             f"{name}: the simulation's highest force is {_signed(row['f_max_error'])} the "
             f"experiment's, {inside} its range of {low:.3g} to {high:.3g}; the work is "
             f"{_signed(row['work_error'])}. Curves differ by {row['nrmse']:.0%} of the range "
-            f"(r.m.s.), most at x = {x:.2f}, by {size:.2g}."
+            f"(r.m.s.), most at x = {x:.2f}, by {shown(size, 2)}."
         )
 
 
