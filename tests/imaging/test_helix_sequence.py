@@ -1,11 +1,13 @@
 """A tine that combs a double helix, photograph by photograph."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from drawn.helix import draw_helix
 from scipy.spatial import cKDTree
 
-from imaging import Photo, Segmentation, Unmeasurable
+from imaging import Photo, Segmentation, Unmeasurable, read_photo
 from imaging.helix import helix
 from imaging.helix.sequence import helix_sequence, kymograph, link_jump
 from imaging.report.helix_pictures import (
@@ -14,6 +16,7 @@ from imaging.report.helix_pictures import (
     link_figure,
     sequence_figure,
 )
+from imaging.scale import from_marker
 
 R = 6.0
 PITCH = 18 * R
@@ -132,3 +135,13 @@ def test_behind_a_kink_the_axis_stays_between_the_strands_that_are_seen():
     apart = cKDTree(truth).query(found.axis[behind])[0]
     assert apart.max() < R
     assert found.phase["s"].iloc[-1] == pytest.approx(LENGTH, rel=0.02)
+
+
+def test_what_changes_beside_a_tine_makes_no_ripple_far_from_it():
+    """Simulated strands, even from two pitches below the tine on: 128.5 1/m, +- 0.3."""
+    picture = Path(__file__).parents[2] / "data" / "photos" / "synthetic_helix_4.jpg"
+    scale, photo = from_marker(read_photo(picture), 0.008)
+    table = helix(photo, scale=scale).link_density
+    even = table["link"][(table["s"] > 0.08) & (table["s"] < 0.138)].dropna()
+    assert len(even) > 100
+    assert np.median(np.abs(even - 128.5)) < 0.4
