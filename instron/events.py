@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from instron.average import FINE, averaged, profile
+from instron.scaling.average import FINE, averaged, profile
 
 COLUMNS = ["kind", "x", "f", "d", "F", "prominence", "width", "drop", "release_x"]
 FLAT = 0.15  # a plateau's slope, in units of f_max per D

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 from instron.errors import RigError
-from instron.rig import Rig
+from instron.scaling.rig import Rig
 
 Ends = Literal["free", "blocked"]
 

@@ -7,8 +7,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from instron.body import Body, read_bodies
-from instron.checks import (
+from instron.errors import NoLog, Unreadable
+from instron.headings.columns import Channel, Specimen, Told
+from instron.headings.units import Unit, read_unit
+from instron.headings.words import QUANTITIES
+from instron.source.files import HEAD_BYTES, Source, open_source
+from instron.source.workbook import Sheet, is_workbook, sheets
+from instron.tables.body import Body, read_bodies
+from instron.tables.checks import (
     against_stated,
     drop_jump_back,
     end_marks,
@@ -18,24 +24,18 @@ from instron.checks import (
     refuse_moved_points,
     refuse_torn_decimals,
 )
-from instron.columns import Channel, Specimen, Told
-from instron.errors import NoLog, Unreadable
-from instron.join import joined
-from instron.labels import by_label
-from instron.layout import (
+from instron.tables.join import joined
+from instron.tables.labels import by_label
+from instron.tables.layout import (
     DELIMITERS,
     Header,
     find_header,
     is_row,
     split_cells,
 )
-from instron.lines import END_MARK, LOST, Ledger, ledger, lost_lines
-from instron.nolog import why_no_log
-from instron.preamble import labels_above, metadata, specimen_label, stated_maxima
-from instron.source import HEAD_BYTES, Source, open_source
-from instron.units import Unit, read_unit
-from instron.words import QUANTITIES
-from instron.workbook import Sheet, is_workbook, sheets
+from instron.tables.lines import END_MARK, LOST, Ledger, ledger, lost_lines
+from instron.tables.nolog import why_no_log
+from instron.tables.preamble import labels_above, metadata, specimen_label, stated_maxima
 
 USUAL_UNITS = {"time": "s", "displacement": "mm", "force": "N"}
 ONE_TEST = "MTS793|"  # a format that keeps the buffers of one test in one file

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from instron.average import profile
 from instron.errors import Unscalable
 from instron.events import events
-from instron.scale import work
-from instron.strokes import name_of
+from instron.scaling.average import profile
+from instron.scaling.scale import work
+from instron.scaling.strokes import name_of
 from instron.summary import summary
 
 PART = 200  # resamples at a time: 16 MB for eight repeats of 501 points

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from instron.average import averaged
 from instron.events import events
+from instron.scaling.average import averaged
 
 MIDDLE = (0.25, 0.75)  # of D: the mid-length of a combing
 END = 0.75  # of D: where the end peak is looked for

@@ -9,7 +9,7 @@ import numpy as np
 
 import sim
 from combing.accuracy.measurement import Measurement
-from instron.average import profile
+from instron.scaling.average import profile
 from sim.presets import NYLON_SCALED
 from sim.scene import Contact, Scene
 from sim.state import rigidities

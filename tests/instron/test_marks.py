@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from instron import bits
-from instron.marks import marks_of
+from instron.numbers import bits
+from instron.numbers.marks import marks_of
 
 LARGE = {
     ",": re.compile(r"[1-9]\d{0,2}(?:,\d{3})+\.[\d.]*"),

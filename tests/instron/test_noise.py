@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from instron import Rig, scale
-from instron.noise import last_digit, of_free_end
+from instron.scaling.noise import last_digit, of_free_end
 from instron.virtual import NOISES, STROKE, combing, hump, jams, white
 
 RIG = Rig(r=4.25e-4, E=2.8e9)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from instron import Rig, averaged, on_grid, scale
-from instron.average import profile
-from instron.peak import highest
+from instron.scaling.average import profile
+from instron.scaling.peak import highest
 from instron.virtual import SHAPES, STROKE, combing, hump, plateau
 
 RIG = Rig(r=4.25e-4, E=2.8e9)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from instron.rig import Rig
+from instron.scaling.rig import Rig
 
 QUIET = 0.05  # the share of the rows at the end that is looked at for a free tine
 FIRST = 0.01  # the share of the rows at the start that count as before combing, or half a length

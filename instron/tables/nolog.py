@@ -2,10 +2,10 @@
 
 from itertools import zip_longest
 
-from instron.columns import Told
-from instron.headings import read_heading
-from instron.layout import DELIMITERS, LONGEST_HEADER, split_cells
-from instron.units import VOLTS, read_unit
+from instron.headings.columns import Told
+from instron.headings.grammar import read_heading
+from instron.headings.units import VOLTS, read_unit
+from instron.tables.layout import DELIMITERS, LONGEST_HEADER, split_cells
 
 
 def why_no_log(lines: list[str], told: Told) -> str:

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from instron.average import Profile, profile
-from instron.ends import End, find_end
 from instron.errors import Unscalable
-from instron.noise import Noise, last_digit, of_free_end, quietest
-from instron.peak import Peak, highest
-from instron.rig import Rig
-from instron.strokes import name_of, strokes
-from instron.zero import Zero, find_zero
+from instron.scaling.average import Profile, profile
+from instron.scaling.ends import End, find_end
+from instron.scaling.noise import Noise, last_digit, of_free_end, quietest
+from instron.scaling.peak import Peak, highest
+from instron.scaling.rig import Rig
+from instron.scaling.strokes import name_of, strokes
+from instron.scaling.zero import Zero, find_zero
 
 COARSE = 0.01
 TANGENT = 0.2  # of the force where the first rise is steepest: what its tangent's foot may have

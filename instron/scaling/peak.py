@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
-from instron.average import FINE
+from instron.scaling.average import FINE
 
 DRAWS, PART = 200, 50
 LEVEL = 0.95

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from instron.errors import Unreadable
-from instron.source import Source
+from instron.source.files import Source
 
 ZIP, COMPOUND = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 _CELL = re.compile(rb"<c\b([^>]*?\br=\"([A-Z]+)(\d+)\"[^>]*)(?<!/)>(.*?)</c>", re.DOTALL)

@@ -4,11 +4,11 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from instron.headings import split_unit
-from instron.layout import Header, split_cells
-from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
-from instron.units import read_unit
-from instron.words import plain, word_set
+from instron.headings.grammar import split_unit
+from instron.headings.units import read_unit
+from instron.headings.words import plain, word_set
+from instron.numbers.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
+from instron.tables.layout import Header, split_cells
 
 MAXIMUM = word_set(
     "max maximum maximal maximale maxima maximo peak hochst ultimate massimo fmax hochstkraft"

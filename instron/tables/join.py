@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from instron.body import Body
-from instron.layout import Header
+from instron.tables.body import Body
+from instron.tables.layout import Header
 
 LONGEST_PAUSE = 20  # samples between two blocks of one test
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from instron.average import FINE
 from instron.errors import Unscalable
-from instron.rig import Rig
+from instron.scaling.average import FINE
+from instron.scaling.rig import Rig
 
 SHARE = 0.01  # of the work: what comes after combing carries less
 BRIEF = 0.05  # the same of touches that last less than the averaging length

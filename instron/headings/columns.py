@@ -12,10 +12,10 @@ from functools import cached_property
 
 import numpy as np
 
-from instron.headings import Heading, read_heading
-from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
-from instron.units import Unit, read_unit
-from instron.words import CHANNELS, QUANTITIES, SPECIMEN, plain
+from instron.headings.grammar import Heading, read_heading
+from instron.headings.units import Unit, read_unit
+from instron.headings.words import CHANNELS, QUANTITIES, SPECIMEN, plain
+from instron.numbers.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 
 FIRST = 100  # rows by which a column is filled or not
 SPARSE = 0.5  # a column filled less than this, up to its last number, belongs to another logger

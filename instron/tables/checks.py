@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from instron.errors import Unreadable
-from instron.preamble import StatedMaximum
-from instron.units import read_unit
+from instron.headings.units import read_unit
+from instron.tables.preamble import StatedMaximum
 
 FILL_VALUES = (-999999.0, -1e6, -1e9)
 HUGE = 9e36

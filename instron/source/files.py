@@ -13,7 +13,7 @@ from typing import BinaryIO
 import numpy as np
 
 from instron.errors import Unreadable
-from instron.words import PIECES, TELLING, plain
+from instron.headings.words import PIECES, TELLING, plain
 
 HEAD_BYTES = 1 << 16
 CHUNK = 1 << 18  # fits a core's cache

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from instron.body import Body
 from instron.errors import Unreadable
-from instron.layout import Header, split_cells
-from instron.numerals import looks_numeric
-from instron.source import Source
+from instron.numbers.numerals import looks_numeric
+from instron.source.files import Source
+from instron.tables.body import Body
+from instron.tables.layout import Header, split_cells
 
 ROLES = ("blank", "metadata", "heading", "units", "block head", "data", "end mark", "lost")
 BLANK, METADATA, HEADING, UNITS, BLOCK_HEAD, DATA, END_MARK, LOST = range(len(ROLES))

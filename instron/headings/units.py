@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from instron.words import remembered, word_set
+from instron.headings.words import remembered, word_set
 
 SI = {"time": "s", "displacement": "m", "force": "N"}
 PINT_NAMES = {"gf": "gram_force", "kgf": "kilogram_force", "lbf": "pound_force",

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from instron.layout import Header
-from instron.numerals import looks_numeric
-from instron.source import NEWLINE, RETURN, Source
+from instron.numbers.numerals import looks_numeric
+from instron.source.files import NEWLINE, RETURN, Source
+from instron.tables.layout import Header
 
 # What starts a line that is no row: a word, or a bracket around one.
 WORDY = re.compile(r"[\s\"']*[^\W\d_]|[\s\"']*[(\[<#*]")

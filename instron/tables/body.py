@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from instron.bits import at, bits, pieces
-from instron.blocks import WORDY, is_other_heading, repeated_blocks
-from instron.columns import Told
 from instron.errors import Unreadable
-from instron.layout import Header, find_header, is_row, quotes_are_torn, split_cells
-from instron.marks import QUOTE, TORN, marks_of
-from instron.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
-from instron.source import Source, refuse_lone_returns
+from instron.headings.columns import Told
+from instron.numbers.bits import at, bits, pieces
+from instron.numbers.marks import QUOTE, TORN, marks_of
+from instron.numbers.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
+from instron.source.files import Source, refuse_lone_returns
+from instron.tables.blocks import WORDY, is_other_heading, repeated_blocks
+from instron.tables.layout import Header, find_header, is_row, quotes_are_torn, split_cells
 
 BLOCK_HEAD = 8  # lines from the end of a block's rows to the names of the next
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")

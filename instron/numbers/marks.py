@@ -10,7 +10,7 @@ from mmap import mmap
 
 import numpy as np
 
-from instron.bits import at, bits, pieces, within
+from instron.numbers.bits import at, bits, pieces, within
 
 QUOTE, COMMA, POINT, NEWLINE = b'",.\n'
 ZERO, TEN = np.uint8(ord("0")), np.uint8(10)

@@ -8,8 +8,8 @@ the numbers and cannot be read is kept in ``unread``, and whoever takes the colu
 import re
 from dataclasses import dataclass
 
-from instron.units import Unit, read_unit
-from instron.words import (
+from instron.headings.units import Unit, read_unit
+from instron.headings.words import (
     ABSOLUTE,
     ACROSS,
     ACTUAL,

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from instron.body import Body
 from instron.errors import Unreadable
-from instron.headings import read_heading
-from instron.layout import split_cells
-from instron.source import Source
-from instron.words import SPECIMEN, plain
+from instron.headings.grammar import read_heading
+from instron.headings.words import SPECIMEN, plain
+from instron.source.files import Source
+from instron.tables.body import Body
+from instron.tables.layout import split_cells
 
 BESIDE = {"id", "name", "label", "no", "number", "nr", "nummer", "num", "index"}
 FEWEST = 5  # rows of a specimen

@@ -4,10 +4,10 @@ import re
 from dataclasses import dataclass, field
 from functools import partial
 
-from instron.columns import Sample, Specimen, Told, choose, from_units_alone, might_be
-from instron.headings import read_heading
-from instron.numerals import looks_numeric
-from instron.units import is_unit
+from instron.headings.columns import Sample, Specimen, Told, choose, from_units_alone, might_be
+from instron.headings.grammar import read_heading
+from instron.headings.units import is_unit
+from instron.numbers.numerals import looks_numeric
 
 LONGEST_HEADER = 20_000  # characters; names of a hundred specimens side by side need 10 000
 LONGEST_CELL = 20  # lines that a header with line breaks in its cells may have

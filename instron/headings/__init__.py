@@ -1,0 +1,1 @@
+"""What a heading says: words, units, quantities, and which columns a specimen has."""
