@@ -134,9 +134,11 @@ def measured(
     }
 
 
-def scaling(logs: int) -> None:
+def scaling(logs: int, only: str = "") -> None:
     """Print errors and coverage by setting, over ``logs`` logs of six shapes."""
     for name, setting in SETTINGS.items():
+        if only not in name:
+            continue
         every = [measured(setting, SHAPES[k % len(SHAPES)], k) for k in range(logs)]
         table = pd.DataFrame(every).astype(float)
         mean, rms = table.mean(), np.sqrt((table**2).mean())
@@ -153,9 +155,10 @@ def main() -> None:
     """Print all tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--logs", type=int)
+    parser.add_argument("--only", default="", help="settings with this in their name")
     options = parser.parse_args()
-    scaling(options.logs or 204)
-    if options.logs:
+    scaling(options.logs or 204, options.only)
+    if options.logs or options.only:
         return
     for n in (3, 4, 5, 8, 12, 20):
         print(f"95 % band of {n} repeats, true mean covered in 1000 trials: "

@@ -7,6 +7,7 @@ import numpy as np
 STRETCH = 0.05  # of the rows: what is looked at at a time where no quiet end is known
 FEWEST = 24  # rows that a noise can be told from
 ALIKE = 1.3  # stretches up to this multiple of the quietest one's sd are noise alone
+SLOW, SLOWER = 0.85, 3.0  # share of the sd that averaging leaves of noise as slow as the length
 FAR = 5.0  # sd at which a touch of the free tine is cut off
 
 
@@ -105,7 +106,8 @@ def _noise(rest: np.ndarray, fitted: int, rows: float, digit: float, where: str)
     left = float(np.sqrt((means**2).mean() / (1 - fitted * batch / size)))
     left *= min(1.0, batch / max(rows, 1.0)) ** 0.5
     least = digit / np.sqrt(12)
-    freedom = max(1.0, len(rest) * (size / batch - fitted))
+    slow = SLOWER if left > SLOW * sd else 1.0  # then a mean tells less than a mean's rows should
+    freedom = max(1.0, len(rest) * (size / batch - fitted) / slow)
     if sd < digit / 2:
         return Noise(max(sd, least), max(left, least), where, freedom)
     return Noise(sd, min(left, sd), where, freedom)

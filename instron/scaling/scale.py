@@ -8,7 +8,7 @@ import pandas as pd
 from instron.errors import Unscalable
 from instron.scaling.average import Profile, profile
 from instron.scaling.ends import End, find_end
-from instron.scaling.noise import Noise, last_digit, of_free_end, quietest
+from instron.scaling.noise import SLOW, Noise, last_digit, of_free_end, quietest
 from instron.scaling.peak import Peak, highest
 from instron.scaling.rig import Rig
 from instron.scaling.strokes import name_of, strokes
@@ -112,7 +112,8 @@ def _scale_stroke(log: pd.DataFrame, rig: Rig) -> pd.DataFrame:
     }
     curve.attrs["warnings"] = [
         *log.attrs.get("warnings", []), *stroke.zero.warnings, *end.warnings,
-        *_averaging(stroke, log, rig), *_coarse(stroke), *_apart(log, rig, stroke, curve),
+        *_averaging(stroke, log, rig), *_slow(stroke), *_coarse(stroke),
+        *_apart(log, rig, stroke, curve),
     ]  # fmt: skip
     return curve
 
@@ -223,6 +224,17 @@ def _averaging(stroke: _Stroke, log: pd.DataFrame, rig: Rig) -> list[str]:
     if rig.average_over is None and rig.r is None and "r" not in log.attrs:
         return [f"the rig gives neither r nor average_over: F is averaged over {asked:.4g} m"]
     return []
+
+
+def _slow(stroke: _Stroke) -> list[str]:
+    """Say so where averaging does not lower the noise: too few swings of it tell its size."""
+    noise = stroke.noise
+    if stroke.length < 3 * stroke.step or noise.averaged <= SLOW * noise.sd:
+        return []
+    if noise.averaged < 0.01 * stroke.smooth.max():
+        return []
+    return [f"noise of {noise.sd:.2g} N is as slow as the averaging length: it may be twice as"
+            " large, and the intervals of f_max and D hold less often than 95 %"]  # fmt: skip
 
 
 def _apart(log: pd.DataFrame, rig: Rig, stroke: _Stroke, curve: pd.DataFrame) -> list[str]:

@@ -67,12 +67,14 @@ def find_zero(
     """
     span = float(np.ptp(smooth))
     size = max(3, int(QUIET * len(F)))
-    if after > size and _is_quiet(F[-after:], 0.2 * span, noise):
-        size = after
     first = max(3, int(min(FIRST * len(F), rows / 2)))
+    begin, doubt = _begin(F[: max(5, first)])
+    if after > size and (
+        _is_quiet(F[-after:], 0.2 * span, noise) or _is_drift(F, smooth, begin, after, span, noise)
+    ):
+        size = after
     start, free = float(np.median(F[:first])), float(np.median(F[-size:]))
     quiet = _is_quiet(F[-size:], span, noise)
-    begin, doubt = _begin(F[: max(5, first)])
     loaded = _bears_load(smooth, begin, free, rig.force_sign)
     limit = max(APART * float(np.hypot(noise, doubt)), 0.01 * span)
     suspect = abs(free - begin) > limit
@@ -108,6 +110,16 @@ def _is_quiet(end: np.ndarray, span: float, noise: float) -> bool:
     """
     levels = [float(np.median(part)) for part in np.array_split(end, min(4, len(end)))]
     return max(levels) - min(levels) <= max(0.02 * span, 4 * noise)
+
+
+def _is_drift(
+    F: np.ndarray, smooth: np.ndarray, start: float, after: int, span: float, noise: float
+) -> bool:
+    """Tell whether the end is a line, quiet beside that, which explains the force at the start."""
+    row = np.arange(after)
+    rest = F[-after:] - np.polyval(np.polyfit(row, F[-after:], 1), row)
+    free = float(np.median(F[-after:]))
+    return _is_quiet(rest, 0.2 * span, noise) and _drifts(smooth, start, free, after)
 
 
 def _begin(F: np.ndarray) -> tuple[float, float]:

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from instron import Rig, Unscalable, scale
-from instron.virtual import combing, hump, jams, plateau, teeth
+from instron.virtual import SHAPES, combing, hump, jams, plateau, teeth
 
 RIG = Rig(r=4.25e-4, E=2.8e9)
 
@@ -51,3 +51,17 @@ def test_the_toe_of_a_slack_start_is_found_and_that_of_a_jam_refused():
     log = pd.DataFrame({"displacement": d, "force": jam})
     with pytest.raises(Unscalable, match="is that of a jam"):
         scale(log, Rig(B=1e-4, toe="tangent"))
+
+
+@pytest.mark.parametrize("drift", [0.05, -0.05])
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_drift_of_a_tenth_of_the_peak_leaves_the_work_alone(name, drift):
+    """The rows after combing fall or rise by it: they are the free tine's nevertheless."""
+    log = combing(SHAPES[name], 1500, sd=0.005, rng=3)
+    before = scale(log, RIG).attrs
+    log["force"] += drift * np.linspace(0, 1, len(log))
+    found = scale(log, RIG).attrs
+    assert found["rules"]["zero"].startswith("drift")
+    assert found["W"] == pytest.approx(before["W"], rel=0.02)
+    assert found["D"] == pytest.approx(before["D"], abs=2e-4)
+    assert found["f_max_low"] < before["f_max"] < found["f_max_high"]
