@@ -111,5 +111,8 @@ def pressed(place, elements=12, length=0.24, depth=0.01):
 
 
 def test_a_bar_yields_as_much_within_an_element_as_at_a_node():
-    """A chain of chords is 1.5 l^2/L^2 = 1 % too stiff under a load in the middle of an element."""
-    assert pressed(0.11) / pressed(0.12) == pytest.approx(1, abs=2e-3)
+    """A chain of chords is 1.5 % too stiff under a load in the middle of an element.
+
+    A tenth of that is meant to be left (`sim.kernels.curve.SHARE`), and the bend of the element.
+    """
+    assert pressed(0.11) / pressed(0.12) == pytest.approx(1, abs=4e-3)
