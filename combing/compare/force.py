@@ -61,7 +61,6 @@ def compare_force(
         numbers.append(_facts(chosen.name, "simulation", simulated))
         notes += [f"{chosen.name}, simulation: {said}" for said in simulated.attrs["warnings"]]
         apart = _distances(chosen.name, curves, simulated)
-        notes += [f"{chosen.name}, simulation: {one}" for one in simulated.attrs["warnings"]]
     theory, remark = _theory(chosen, rig, curves)
     return Comparison(
         plotted=pd.concat([*parts, *theory], ignore_index=True),
