@@ -65,9 +65,13 @@ def rank_correlation(one: str, other: str) -> Measure:
         if len(used) < 5:
             return None
         rho = float(stats.spearmanr(used[one], used[other]).statistic)
-        # Fieller, Hartley & Pearson, Biometrika 44, 470 (1957).
-        half = stats.norm.ppf((1 + LEVEL) / 2) * np.sqrt(1.06 / (len(used) - 3))
-        low, high = np.tanh(np.arctanh(np.clip(rho, -0.9999, 0.9999)) + np.array([-half, half]))
+        # Fieller, Hartley & Pearson, Biometrika 44, 470 (1957); ranks in perfect order say of rho
+        # that it is nearer to 1 than half a step of it.
+        n = len(used)
+        most = 1 - 6 / (n * (n**2 - 1))
+        half = stats.norm.ppf((1 + LEVEL) / 2) * np.sqrt(1.06 / (n - 3))
+        low, high = np.tanh(np.arctanh(np.clip(rho, -most, most)) + np.array([-half, half]))
+        low, high = min(low, rho), max(high, rho)
         return Finding(rho, float(low), float(high))
 
     return measure

@@ -115,6 +115,15 @@ def test_mean_and_rank_correlation_of_known_curves():
     assert rank_correlation("a", "b")(pd.DataFrame({"a": one[:4], "b": other[:4]})) is None
 
 
+@pytest.mark.parametrize(("count", "low"), [(5, 0.3841), (8, 0.9298)])
+def test_a_few_curves_in_perfect_order_do_not_tell_their_correlation_to_a_thousandth(count, low):
+    """The interval holds the value, and narrows with the number of curves."""
+    order = np.arange(count)
+    found = rank_correlation("a", "b")(pd.DataFrame({"a": order, "b": -order}))
+    assert found.value == found.low == pytest.approx(-1)
+    assert found.high == pytest.approx(-low, abs=1e-4)
+
+
 def test_friction_that_only_lifts_the_curve_keeps_its_fullness():
     table = pd.DataFrame({"value": [0.0, 0, 1, 1], "f_max": [1, 1.1, 3, 3.3]})
     table["w"] = [0.5, 0.56, 1.5, 1.63]
