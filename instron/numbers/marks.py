@@ -134,7 +134,14 @@ def _grouped(
         found = True
     if not found:
         return False
+    if (text[start:] | 32 == ord("e")).any() and _grouped_exponent(group).search(text, start):
+        return None
     return None if any(_four_first(_digits(p), bits(p == decimal)) for p in bare) else True
+
+
+def _grouped_exponent(group: int) -> re.Pattern[bytes]:
+    """Return what finds a grouped number with an exponent, which nobody writes: 191,926.e3."""
+    return re.compile(rb"\d" + re.escape(bytes([group])) + rb"\d{3}[.,]?\d*[eE]")
 
 
 def _digits(piece: np.ndarray) -> np.ndarray:

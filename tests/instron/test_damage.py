@@ -344,3 +344,12 @@ def test_millions_of_mixed_marks_are_no_lost_decimal_point(tmp_path):
 def test_footers_are_left_out(tmp_path):
     log = read(tmp_path, HEAD + "\n".join(body()) + "\n\nEnd of test\nOperator,Zoe\n")[0]
     assert len(log) == 50
+
+
+def test_a_grouped_number_with_an_exponent_is_damage(tmp_path):
+    """A 6 that became an e made 1.9e8 of 191,926.63 without a word."""
+    path = tmp_path / "a.csv"
+    rows = ['"0.7","0.27","247,953.97"', '"1.1","0.40","191,926.e3"', '"1.3","0.90","1,861.92"']
+    path.write_text("\n".join(["Time (s),Extension (mm),Load (N)", *rows, ""]))
+    with pytest.raises(instron.Unreadable, match=r"a.csv: line 3: '191,926.e3' is not a number"):
+        instron.read(path)
