@@ -134,7 +134,7 @@ def _grouped(
         found = True
     if not found:
         return False
-    if (text[start:] | 32 == ord("e")).any() and _grouped_exponent(group).search(text, start):
+    if (text[start:] | 32 == ord("e")).any() and _grouped_exponent(group).search(text.data, start):
         return None
     return None if any(_four_first(_digits(p), bits(p == decimal)) for p in bare) else True
 
