@@ -16,8 +16,10 @@ from cosseratbench import End as Side
 from cosseratbench import EndCondition as Condition
 from cosseratbench import Rod as Rope
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 import sim
+from sim.effects import SOFTNESS, stiffness
 from sim.energy import directors
 from sim.explicit import Explicit, explicit
 from sim.scene import (
@@ -42,7 +44,6 @@ HOLDS: dict[Condition, Literal["free", "pinned", "clamped"]] = {
     Condition.PINNED: "pinned",
     Condition.CLAMPED: "clamped",
 }
-STIFFNESS = 0.3  # of contact, as a fraction of Young's modulus: the default of scenes
 
 
 class CombingSolver:
@@ -63,7 +64,7 @@ class CombingSolver:
             "integrator": "position Verlet (explicit)",
             "time_step": explicit(scene).dt,
             "damping_rate": damping.drag,
-            "contact_stiffness_per_length": [STIFFNESS * rod.material.E for rod in scene.rods],
+            "contact_stiffness_per_length": stiffness(scene),
             "contact_damping_time": damping.tine,
         }
 
@@ -99,12 +100,11 @@ class CombingSolver:
     def scene(self, scenario: Scenario, n_elements: int, n_frames: int) -> Scene:
         """Return a scenario as a scene, a window of its time steps one frame long."""
         bodies = scenario.obstacles
-        touching = len(scenario.rods) > 1 or scenario.self_contact
         return Scene(
             rods=[_rod(rope, n_elements) for rope in scenario.rods],
             duration=scenario.duration,
             gravity=scenario.gravity if any(scenario.gravity) else None,
-            contact=Contact(self_contact=scenario.self_contact) if touching else None,
+            contact=Contact(self_contact=scenario.self_contact) if _touch(scenario) else None,
             friction=_friction(scenario),
             damping=_damping(scenario),
             tines=[_tine(each) for each in bodies if isinstance(each, Cylinder)],
@@ -116,6 +116,11 @@ class CombingSolver:
             safety=min(self.safety, 1.0),
             output=Output(sample_rate=(n_frames - 1) / scenario.duration),
         )  # fmt: skip
+
+
+def _touch(scenario: Scenario) -> bool:
+    """Tell whether rods may touch each other or themselves."""
+    return len(scenario.rods) > 1 or scenario.self_contact
 
 
 def _rod(rope: Rope, elements: int) -> Rod:
@@ -155,8 +160,7 @@ def _friction(scenario: Scenario) -> Friction | None:
     if len(ropes) > 1 or len(bodies) > 1:
         raise NotImplementedError("bodies of different coefficients of friction")
     own, tine = max(ropes), max(ropes | bodies)
-    touching = len(scenario.rods) > 1 or scenario.self_contact
-    if tine == 0 or not (bodies or touching):
+    if tine == 0 or not (bodies or _touch(scenario)):
         return None
     return Friction(forward=own, backward=own, tine=tine)
 
@@ -167,7 +171,7 @@ def _damping(scenario: Scenario) -> Damping | None:
         return None
     softest = min(scenario.rods, key=lambda rope: rope.material.youngs_modulus)
     line = softest.material.density * softest.area
-    bounce = 0.4 * math.sqrt(line / (STIFFNESS * softest.material.youngs_modulus))
+    bounce = 0.4 * math.sqrt(line / (SOFTNESS * softest.material.youngs_modulus))
     drag = 2.0 * scenario.slowest_frequency()
     return Damping(drag=drag, tine=bounce if scenario.obstacles else 0.0)
 
@@ -204,12 +208,8 @@ def _advance(march: Explicit, scenario: Scenario, steps: int) -> None:
 
 
 def _steer(course: Array, motion: Motion, start: float, duration: float) -> None:
-    """Give an end the speeds that lead it to where it is to be after `duration`."""
-    for of, at in (("displacement", slice(0, 3)), ("rotation", slice(3, 6))):
-        table = np.asarray(getattr(motion, of), float)
-        there, here = (
-            np.array([np.interp(time, motion.times, column) for column in table.T])
-            for time in (start + duration, start)
-        )
-        course[at] = (there - here) / duration
+    """Give an end the steady velocity and spin that lead it to its pose after `duration`."""
+    (here, turned), (there, turning) = (motion.pose(t) for t in (start, start + duration))
+    course[:3] = (there - here) / duration
+    course[3:6] = Rotation.from_matrix(turning @ turned.T).as_rotvec() / duration
     course[7] = 0.0  # at once, without a ramp

@@ -134,14 +134,15 @@ def _grouped(
         found = True
     if not found:
         return False
-    if (text[start:] | 32 == ord("e")).any() and _grouped_exponent(group).search(text.data, start):
+    exponent = _grouped_exponent(group, decimal)
+    if (text[start:] | 32 == ord("e")).any() and exponent.search(text.data, start):
         return None
     return None if any(_four_first(_digits(p), bits(p == decimal)) for p in bare) else True
 
 
-def _grouped_exponent(group: int) -> re.Pattern[bytes]:
+def _grouped_exponent(group: int, decimal: int) -> re.Pattern[bytes]:
     """Return what finds a grouped number with an exponent, which nobody writes: 191,926.e3."""
-    return re.compile(rb"\d" + re.escape(bytes([group])) + rb"\d{3}[.,]?\d*[eE]")
+    return re.compile(rb"\d[%c]\d{3}(?:[%c]\d*)?[eE]" % (group, decimal))
 
 
 def _digits(piece: np.ndarray) -> np.ndarray:

@@ -72,6 +72,21 @@ def test_a_clamp_follows_its_course_and_the_material_direction_turns_with_it():
     assert 0.2 < turned < 0.55  # half an element behind a clamp turned by 0.5
 
 
+def test_a_short_rope_follows_a_clamp_that_turns_about_one_axis_and_then_another():
+    """Slowly: at the end all of it has turned as the clamp has, ends and material directions."""
+    turns = ((0, 0, 0), (0, 0, 0.5), (0.4, 0, 0.5))  # rotation vectors: the axis changes
+    course = Motion(times=(0.0, 0.5, 1.0), displacement=((0, 0, 0),) * 3, rotation=turns)
+    rope = replace(
+        registry.load_experiment("cantilever").scenario.rods[0], loads=(), start_motion=course,
+        centerline=((0.0, 0.0, 0.0), (0.2, 0.0, 0.0)),
+    )  # fmt: skip
+    scenario = replace(registry.load_experiment("cantilever").scenario, rods=(rope,), duration=1.5)
+    shown = CombingSolver().run(scenario, n_elements=8, n_frames=16)
+    turned = course.pose(1.0)[1]
+    assert shown.positions[0][-1] == pytest.approx(rope.nodes(8) @ turned.T, abs=2e-4)
+    assert shown.directors[0][-1] == pytest.approx(rope.directors(8) @ turned.T, abs=2e-3)
+
+
 def test_friction_that_differs_from_rod_to_rod_is_said_to_be_beyond_it():
     scenario = registry.load_experiment("crossing").scenario
     rods = (replace(scenario.rods[0], friction=0.3), scenario.rods[1])

@@ -346,10 +346,28 @@ def test_footers_are_left_out(tmp_path):
     assert len(log) == 50
 
 
-def test_a_grouped_number_with_an_exponent_is_damage(tmp_path):
+def grouped(cell, remark="", *, german=False):
+    """Return an export of forces with thousands, one of them replaced by this cell."""
+    forces = ["247,953.97", cell, "1,861.92"]
+    rows = [("Time (s)", "Extension (mm)", "Load (N)", "State", "Remark")]
+    rows += [(f"0.{k}", f"0.2{k}", force, "100", remark) for k, force in enumerate(forces, 1)]
+    if german:
+        swap = str.maketrans(".,", ",.")
+        return "".join(";".join(row).translate(swap) + "\n" for row in rows)
+    return "".join(
+        ",".join(f'"{one}"' if "," in one else one for one in row) + "\n" for row in rows
+    )
+
+
+@pytest.mark.parametrize("german", [False, True])
+@pytest.mark.parametrize("cell", ["191,926.e3", "191,926.6E+3", "1,191,926.63e-2"])
+def test_a_grouped_number_with_an_exponent_is_damage(tmp_path, cell, german):
     """A 6 that became an e made 1.9e8 of 191,926.63 without a word."""
-    path = tmp_path / "a.csv"
-    rows = ['"0.7","0.27","247,953.97"', '"1.1","0.40","191,926.e3"', '"1.3","0.90","1,861.92"']
-    path.write_text("\n".join(["Time (s),Extension (mm),Load (N)", *rows, ""]))
-    with pytest.raises(instron.Unreadable, match=r"a.csv: line 3: '191,926.e3' is not a number"):
-        instron.read(path)
+    with pytest.raises(instron.Unreadable, match=r"line 3: '1[0-9.,eE+-]+' is not a number"):
+        read(tmp_path, grouped(cell, german=german))
+
+
+@pytest.mark.parametrize("german", [False, True])
+def test_a_word_that_begins_with_e_behind_three_digits_is_no_exponent(tmp_path, german):
+    log = read(tmp_path, grouped("191,926.63", "ended", german=german))[0]
+    assert log["force"].tolist() == [247953.97, 191926.63, 1861.92]
