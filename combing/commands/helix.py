@@ -27,7 +27,7 @@ from imaging.report.helix_pictures import (
     link_figure,
     sequence_figure,
 )
-from imaging.scale import FORMS
+from imaging.scale import FORMS, METRES
 
 COLUMNS = {
     "s": "arclength of the axis from the root [UNIT]",
@@ -147,7 +147,8 @@ def _numbers(
         values = ()
     if len(values) not in counts:
         wanted = " or ".join(map(str, counts))
-        raise UserError(f"{name} {text}: give {wanted} numbers separated by commas")
+        what = f"lengths, as 0.01 or 10mm ({', '.join(METRES)})," if kind is metres else "numbers"
+        raise UserError(f"{name} {text}: give {wanted} {what} separated by commas")
     return values
 
 

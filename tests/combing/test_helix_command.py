@@ -88,9 +88,15 @@ def test_a_bad_photograph_does_not_stop_the_others(photo, tmp_path, capsys):
     [
         (["--tine", "3"], "--tine 3: give 2 or 3 numbers"),
         (["--x", "0.1,0.2"], "--x 0.1,0.2: give 1 numbers"),
-        (["--positions", "1mm,2mm", "--combed", "9mm"], "--positions 1mm,2mm: give 1 numbers"),
+        (
+            ["--positions", "1mm,2mm", "--combed", "9mm"],
+            "--positions 1mm,2mm: give 1 lengths, as 0.01 or 10mm",
+        ),
         (["--positions", "1mm"], "where x = d/D is known give --x"),
-        (["--positions", "1mm", "--combed", "9 miles"], "--combed 9 miles: give 1 numbers"),
+        (
+            ["--positions", "1mm", "--combed", "9 miles"],
+            "--combed 9 miles: give 1 lengths, as 0.01 or 10mm",
+        ),
         (["--positions", "1mm", "--combed", "0mm"], "D must be positive"),
         (["--x", "0.1", "--combed", "9mm"], "--x: is d/D already"),
         (["--before", "rest.png"], "--before needs --positions or --x"),
