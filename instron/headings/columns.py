@@ -69,6 +69,10 @@ class Sample:
         last = max((i for i, found in enumerate(numeric) if found), default=-1)
         return sum(numeric) / (last + 1) if last >= 0 else 0.0
 
+    def reaches(self, index: int) -> bool:
+        """Tell whether any row is long enough to hold a column, be the cell empty."""
+        return any(index < len(row) for row in self.rows)
+
     def words(self, index: int) -> bool:
         """Tell whether most filled cells hold something else than a number."""
         filled = [cell for cell in self._column(index, self.rows) if cell]
@@ -120,6 +124,7 @@ def choose(names: Sequence[str], units: Sequence[str] | None, sample: Sample, to
     asked = (_doubt(q, *specimen[q], told) for specimen in specimens for q in specimen)
     question = question or next(filter(None, asked), "")
     channels = [{q: _channel(q, *s[q]) for q in s} for s in specimens]
+    doubts += _out_of_reach(headings, chosen, sample)
     return Choice(channels, _passed_over(headings, found, chosen), question, doubts)
 
 
@@ -276,6 +281,15 @@ def _passed_over(
         if left:
             notes.append(f"{quantity} is '{first}'; not taken: {', '.join(map(repr, left))}")
     return notes
+
+
+def _out_of_reach(headings: list[Heading], chosen: list[Found | None], sample: Sample) -> list[str]:
+    """Name the columns, as near to the crosshead as those taken, that every row ends before."""
+    rank = {h.quantity: h.rank for _, h in filter(None, chosen)}
+    named_so = [(i, h) for i, h in enumerate(headings) if h.quantity in rank and h.fits]
+    lost = [h.name for i, h in named_so
+            if not h.role and h.rank <= rank[h.quantity] and not sample.reaches(i)]  # fmt: skip
+    return [f"every row ends before {', '.join(map(repr, lost))}"] if lost else []
 
 
 def from_units_alone(names: Sequence[str]) -> Choice:

@@ -86,7 +86,8 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
     if len(names) < 2 or sum(looks_numeric(name) for name in names) > len(names) // 2:
         return None
     units, place, following = _units_row(lines, after, delimiter)
-    following = _first_row(lines, following, delimiter, len(names))
+    above = following
+    following = _first_row(lines, above, delimiter, len(names))
     if following >= len(lines) or not _promises(names, units, told):
         return None
     first = split_cells(lines[following], delimiter)
@@ -96,8 +97,9 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
     choice = choose(names, units, Sample(below, partial(split_cells, delimiter=delimiter)), told)
     if not choice.specimens and units is None and not _named_above(lines, number, delimiter):
         choice = from_units_alone(names)
+    doubts = [*choice.doubts, *_digits_passed_over(lines, above, following)]
     header = Header(number, following, len(first), names, choice.specimens, choice.notes,
-                    choice.question, place, choice.doubts)  # fmt: skip
+                    choice.question, place, doubts)  # fmt: skip
     shifted = delimiter == "spaces" and len(first) != len(names)
     if not choice.specimens or shifted or not is_row(first, header.used()):
         return None
@@ -135,10 +137,17 @@ def _first_row(lines: list[str], number: int, delimiter: str, width: int) -> int
         numbers = sum(map(looks_numeric, cells))
         if numbers > 1:
             return first
-        if numbers or len(cells) > width or _promises(cells, None, Told()):
+        digits_alone = re.search(r"\d", lines[first]) and not re.search(r"[^\W\d_]", lines[first])
+        if numbers or digits_alone or len(cells) > width or _promises(cells, None, Told()):
             return number
         first = _skip_blank(lines, first + 1)
     return number
+
+
+def _digits_passed_over(lines: list[str], start: int, stop: int) -> list[str]:
+    """Name the lines taken for comments that could have been a row before they were damaged."""
+    return [f"line {n + 1}: '{lines[n].strip()[:40]}' is taken for a comment"
+            for n in range(start, stop) if re.search(r"\d", lines[n])]  # fmt: skip
 
 
 def _closed_line(lines: list[str], number: int) -> tuple[str, int]:

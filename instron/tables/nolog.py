@@ -36,11 +36,20 @@ def why_no_log(lines: list[str], told: Told) -> str:
             missing = [q for q in ("displacement", "force") if q not in found]
             if missing:
                 return f"line {number}: no {' and no '.join(missing)} column in '{line[:60]}'"
-            return f"line {number}: a header, but no row of numbers follows it"
+            return (
+                f"line {number}: a header, but no row of numbers follows it{_below(lines, number)}"
+            )
     return (
         "no header that names displacement and force; for a bare table say what its columns are:"
         " columns=('time', 'displacement', 'force')"
     )
+
+
+def _below(lines: list[str], start: int) -> str:
+    """Quote the first line below a header that holds a digit, which it may be that is damaged."""
+    digits = (n for n in range(start, len(lines)) if any(map(str.isdigit, lines[n])))
+    first = next(digits, None)
+    return "" if first is None else f": line {first + 1} is '{lines[first].strip()[:40]}'"
 
 
 def _in_volts(cell: str, below: str) -> bool:

@@ -151,6 +151,22 @@ REFUSED = {
 }
 
 
+@pytest.mark.parametrize(
+    "first", ["-0-0", "1190;1", "0.1|0.2|3.0", "12", "0.1 0.2 3.0", "'0.1'0.2"]
+)
+def test_a_first_row_that_lost_its_delimiters_is_no_comment(tmp_path, first):
+    with pytest.raises(instron.Unreadable, match="line [13]: "):
+        read(tmp_path, HEAD + first + "\n0,1,0\n0,1,0\n")
+
+
+@pytest.mark.parametrize("first", ["0.1x0.2x3.0", "o.1,o.2,o.3 5", "1e-3;1;7", "run 4, in water"])
+def test_digits_between_heading_and_rows_are_named(tmp_path, first):
+    (log,) = read(tmp_path, HEAD + first + "\n0.1,1,0.5\n0.2,1.1,0.75\n")
+    assert log.attrs["warnings"] == [f"line 3: '{first}' is taken for a comment"]
+    (log,) = read(tmp_path, HEAD + "in water\n0.1,1,0.5\n0.2,1.1,0.75\n")
+    assert log.attrs["warnings"] == []
+
+
 def as_a_german_spreadsheet_reads(text):
     """Take the point of ``1.0114`` for a thousands mark, and that of ``1.063`` not to be one."""
     whole, _, decimals = text.rstrip("0").partition(".")

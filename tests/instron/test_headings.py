@@ -111,6 +111,25 @@ def test_what_was_measured_is_taken_not_what_was_told(header, tmp_path):
     assert "not taken" in log.attrs["choices"][0]
 
 
+SHORT = {
+    "Temps (s);Traverse absolue (mm);Force (N);Course standard (mm)": "txF",
+    "Time (s);Position (mm);Load (N);Extension (mm)": "txF",
+    "Time (s);Extension (mm);Load A1 (N);Load A2 (N)": "txF",
+    "Time (s);Extension (mm);Load (N);Time (s);Extension (mm);Load (N)": "txF",
+    "Zeit [s];Weg [mm];Kraft [N];Zeit [s];Weg [mm];Kraft [N]": "txFtx",
+}
+
+
+@pytest.mark.parametrize("header", SHORT)
+def test_a_column_that_every_row_ends_before_is_missed(header, tmp_path):
+    letters = SHORT[header]
+    (log,) = read(tmp_path, header, letters)
+    (warning,) = log.attrs["warnings"]
+    lost = [name.split(" ")[0] for name in header.split(";")[len(letters) :]]
+    assert warning.startswith("every row ends before ")
+    assert all(name in warning for name in lost)
+
+
 TIES = {
     "Time (s);Displacement (mm);Force X (N);Force Y (N);Force Z (N)": "txooF",
     "Time (s);Displacement (mm);Fx [N];Fy [N];Fz [N]": "txooF",
