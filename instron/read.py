@@ -1,5 +1,6 @@
 """Read the export of a testing machine into force logs: exactly, or not at all."""
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,9 @@ from instron.headings.columns import Channel, Specimen, Told
 from instron.headings.units import Unit, read_unit
 from instron.headings.words import QUANTITIES
 from instron.source.files import HEAD_BYTES, Source, open_source
-from instron.source.workbook import Sheet, is_workbook, sheets
+from instron.source.sheet import Sheet
+from instron.source.testxpert import is_series, specimens
+from instron.source.workbook import is_workbook, sheets
 from instron.tables.body import Body, read_bodies
 from instron.tables.checks import (
     against_stated,
@@ -82,17 +85,21 @@ def read(
     told = _told_of(path, columns, units or {})
     bare = None if isinstance(columns, Mapping) else columns
     if is_workbook(path):
-        return _read_workbook(path, told, bare)
+        return _read_sheets(path, sheets(path), told, bare)
+    if is_series(path):
+        return _read_sheets(path, specimens(path, told.units), told, bare)
     return _read_source(open_source(path), told, bare)
 
 
-def _read_workbook(path: Path, told: Told, bare: Sequence[str] | None) -> list[pd.DataFrame]:
+def _read_sheets(
+    path: Path, found: list[Sheet], told: Told, bare: Sequence[str] | None
+) -> list[pd.DataFrame]:
     """Return the logs of every sheet that holds one; the others are named."""
     logs: list[pd.DataFrame] = []
     other: list[str] = []
-    for sheet in sheets(path):
+    for sheet in found:
         try:
-            found = _read_source(sheet.source, told, bare)
+            tables = _read_source(sheet.source, told, bare)
         except NoLog as reason:
             other.append(f"sheet '{sheet.name}' is no force log")
             first = reason
@@ -104,7 +111,7 @@ def _read_workbook(path: Path, told: Told, bare: Sequence[str] | None) -> list[p
                 f"{sheet.source.path}: line {sheet.hollow}: a formula without a value: open the"
                 " workbook in a spreadsheet program and save it"
             ) from error
-        logs += [_of_sheet(log, path, sheet, len(found)) for log in found]
+        logs += [_of_sheet(log, path, sheet, len(tables)) for log in tables]
     if not logs and other:
         raise NoLog(str(first) if len(other) == 1 else f"{path}: no sheet holds a force log")
     if not logs:
@@ -262,7 +269,8 @@ def _table(
     table.attrs = _provenance(source, body, number, delimiter, written)
     notes += found + milliseconds(table, table.attrs["metadata"])
     table.attrs["warnings"] = notes
-    table.attrs["lost_rows"] = sum("row lost" in note for note in notes)
+    lost = (re.search(r"(\d+) rows? lost", note) for note in notes)
+    table.attrs["lost_rows"] = sum(int(found[1]) for found in lost if found)
     return table
 
 
@@ -292,6 +300,10 @@ def _complete_rows(source: Source, body: Body, specimen: Specimen) -> slice:
         return slice(0, len(empty) - 1)
     if len(odd):
         raise Unreadable(f"{source.path}: line {body.lines[odd[0]] + 1}: a row lacks numbers")
+    timed = ~gaps[:, filled[-1] + 1 :].all(axis=0)
+    if timed.any() and len(body.header.specimens) == 1:
+        line, rows = body.lines[filled[-1] + 1] + 1, "row" if timed.sum() == 1 else "rows"
+        body.warnings.append(f"line {line}: a time alone to the end: {timed.sum()} {rows} lost")
     return slice(0, filled[-1] + 1)
 
 

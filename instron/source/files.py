@@ -21,10 +21,8 @@ FOREIGN = {"CR": b"\r", "CRCRLF": b"\r\r\n"}  # line ends that are rewritten
 RETURN, NEWLINE = b"\r\n"
 BLUEHILL = "export the raw data from Bluehill as CSV (Method: Export; or Results: Export raw data)"
 FORMATS = {b"TDAT": f"a Bluehill data file (.id_*); {BLUEHILL}"}
-SUFFIXES = {
-    suffix: "a testXpert series; export the specimens from testXpert as ASCII (.TRA, .txt) or Excel"
-    for suffix in (".zs2", ".zp2", ".zse")
-}
+EXPORT = "export the specimens from testXpert as ASCII (.TRA, .txt) or Excel"
+SUFFIXES = {suffix: f"a testXpert series; {EXPORT}" for suffix in (".zs2", ".zp2", ".zse")}
 ENCODINGS = ("gb18030", "shift_jis", "big5", "cp949", "cp1251", "cp1250", "cp850", "mac_roman")
 
 

@@ -1,30 +1,17 @@
 """Workbooks (.xlsx, .xlsm, .xls, .ods): each sheet as text, read like any other export."""
 
-import datetime
 import re
 import zipfile
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from instron.errors import Unreadable
-from instron.source.files import Source
+from instron.source.sheet import Sheet, as_text
 
 ZIP, COMPOUND = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 _CELL = re.compile(rb"<c\b([^>]*?\br=\"([A-Z]+)(\d+)\"[^>]*)(?<!/)>(.*?)</c>", re.DOTALL)
-_UNUSABLE = re.compile(r"[\t\r\n]+")
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """One sheet as tab-separated text, and where its formulas are."""
-
-    name: str
-    source: Source
-    formulas: dict[int, int] = field(default_factory=dict)  # how many, by column
-    hollow: int | None = None  # row of the first formula without a value
 
 
 def is_workbook(path: Path) -> bool:
@@ -67,29 +54,11 @@ def _sheet(
 ) -> Sheet:
     columns = Counter(column for column, _, _ in formulas)
     hollow = next((row for _, row, kept in formulas if not kept), None)
-    return Sheet(name, _as_text(path, name, rows), dict(columns), hollow)
+    return Sheet(name, as_text(path, name, rows, "workbook"), dict(columns), hollow)
 
 
 def _worksheets(book: Any, calamine: Any) -> list[str]:
     return [m.name for m in book.sheets_metadata if m.typ == calamine.SheetTypeEnum.WorkSheet]
-
-
-def _as_text(path: Path, name: str, rows: list[list[Any]]) -> Source:
-    text = "".join("\t".join(map(_written, row)).rstrip("\t") + "\n" for row in rows)
-    place = path.with_name(f"{path.name} [{_UNUSABLE.sub(' ', name).replace('/', ' ')}]")
-    return Source(place, text.encode(), "utf-8", "workbook", "LF", on_disk=False)
-
-
-def _written(cell: Any) -> str:
-    """Return a cell as text; a number so that no mark in it can be taken for another."""
-    if isinstance(cell, bool):
-        return str(cell)
-    if isinstance(cell, int | float):
-        text = repr(float(cell))
-        return text + "0" if re.fullmatch(r"-?\d+\.\d{3}", text) else text
-    if isinstance(cell, datetime.date):  # and datetime
-        return f"{cell.isoformat()} (a date)"
-    return _UNUSABLE.sub(" ", str(cell)).replace('"', "'")
 
 
 def _formulas(path: Path) -> dict[str, list[tuple[int, int, bool]]]:

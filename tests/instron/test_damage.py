@@ -159,6 +159,15 @@ def test_a_first_row_that_lost_its_delimiters_is_no_comment(tmp_path, first):
         read(tmp_path, HEAD + first + "\n0,1,0\n0,1,0\n")
 
 
+@pytest.mark.parametrize(("end", "lost"), [("0.3,,", 1), ("0.3,,\n", 1), ("0.3,,\n0.4,,\n", 2),
+                                           (",,\n0.3,,\n,,\n", 1), (",,\n,,\n", 0)])  # fmt: skip
+def test_times_alone_at_the_end_are_counted(tmp_path, end, lost):
+    (log,) = read(tmp_path, HEAD + "0.1,1,0.5\n0.2,1.1,0.75\n" + end)
+    assert len(log) == 2
+    assert log.attrs["lost_rows"] == lost
+    assert len(log.attrs["warnings"]) == bool(lost)
+
+
 @pytest.mark.parametrize("first", ["0.1x0.2x3.0", "o.1,o.2,o.3 5", "1e-3;1;7", "run 4, in water"])
 def test_digits_between_heading_and_rows_are_named(tmp_path, first):
     (log,) = read(tmp_path, HEAD + first + "\n0.1,1,0.5\n0.2,1.1,0.75\n")
