@@ -5,6 +5,7 @@ import json
 import platform
 import tempfile
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ import scipy
 from combing import __version__
 from combing.figures.style import write_pictures
 from imaging.measure import Measured
-from imaging.photo.decode import refuse_unless_file
+from imaging.photo.decode import Picture, refuse_unless_file
 from imaging.report.figures import histogram, kymograph
 from imaging.report.imagej import available, write_rois
 from imaging.report.overlay import as_jpeg, draw_overlay, labels_picture, overlay_svg
@@ -61,12 +62,14 @@ corner of the first pixel: add 0.5 (`rois.zip` has it added). An empty cell is u
 """
 
 
-def fingerprint(path: Path, options: dict[str, Any], others: Sequence[Path]) -> dict[str, Any]:
+def fingerprint(
+    picture: Picture, options: dict[str, Any], others: Sequence[Path]
+) -> dict[str, Any]:
     """Return what a measurement depends on: file, options, versions; equal means done already.
 
     Parameters
     ----------
-    path : Path
+    picture : Picture
         The photograph.
     options : dict
         What was asked for, in plain values.
@@ -87,12 +90,19 @@ def fingerprint(path: Path, options: dict[str, Any], others: Sequence[Path]) -> 
     }
     asked = json.loads(json.dumps(options))
     besides = {str(other): _sha256(other) for other in others}
-    return {"photo": path.name, "sha256": _sha256(path), "options": asked, "besides": besides,
-            "versions": versions}  # fmt: skip
+    return {"photo": picture.path.name, "page": picture.page, "sha256": _sha256(picture.path),
+            "options": asked, "besides": besides, "versions": versions}  # fmt: skip
 
 
 def _sha256(path: Path) -> str:
     refuse_unless_file(path)
+    about = path.stat()
+    return _digest(path, about.st_mtime_ns, about.st_size)
+
+
+@lru_cache(maxsize=16)
+def _digest(path: Path, changed: int, size: int) -> str:
+    """Read a stack of many pages once, not once a page."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

@@ -49,15 +49,15 @@ class View:
             Path(ignore) if ignore else None,
         )
 
-    def read(self, path: Path) -> Photo:
-        """Read a photograph.
+    def read(self, path: Path, page: int | None = None) -> Photo:
+        """Read a photograph, or a page of a TIFF of several.
 
         Raises
         ------
         imaging.Unmeasurable
             If it is not a photograph, or region or mask do not fit it.
         """
-        return imaging.read_photo(path, roi=self.roi, ignore=self.ignore)
+        return imaging.read_photo(path, roi=self.roi, ignore=self.ignore, page=page)
 
 
 def metres(text: str) -> float:

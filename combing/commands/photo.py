@@ -14,7 +14,10 @@ from combing.photo_files import earlier, fingerprint, write_batch, write_photo
 from combing.photographs import find_photographs
 from combing.view import View, said_of
 from imaging.correct import SUFFIX, Hand, beside
+from imaging.errors import Unmeasurable
 from imaging.measure import BESIDE, Measured, measure
+from imaging.photo.decode import Picture, refuse_unless_file
+from imaging.photo.pages import pages_of
 from imaging.photo.region import FORMS as REGION_FORMS
 from imaging.scale import FORMS
 
@@ -70,7 +73,7 @@ def command(
     FILES are photographs (JPEG, PNG, TIFF; HEIC and camera RAW with the extra 'formats'), folders,
     patterns, or sequences like frame_%04d.png. A batch that was interrupted takes up where it
     stopped; a photograph that cannot be measured is listed with its reason and does not stop the
-    others.
+    others. Each page of a TIFF of several is a photograph of its own.
 
     \b
     Example:
@@ -81,14 +84,15 @@ def command(
     """
     paths = find_photographs(files)
     _refuse_output(output, paths)
-    _refuse_corrections(file, no_corrections, paths)
+    pictures = [picture for path in paths for picture in _pictures(path)]
+    _refuse_corrections(file, no_corrections, pictures)
     source = file or (None if no_corrections else BESIDE)
     options = Options(scale, n_sec, roi, ignore, source, strands, colours)
     asked = _Asked(options, View.asked(scale, roi, ignore), again)
-    if len(paths) == 1:
-        rows, defect = [_one(paths[0], output, paths[0].name, asked)], None
+    if len(pictures) == 1:
+        rows, defect = [_one(pictures[0], output, paths[0].name, asked)], None
     else:
-        rows, defect = _batch(paths, output, asked, quiet)
+        rows, defect = _batch(pictures, output, asked, quiet)
     click.echo(json.dumps(rows, indent=1) if as_json else _summary(rows, output))
     if defect is not None:
         raise defect
@@ -103,8 +107,18 @@ class _Asked:
     again: bool
 
 
+def _pictures(path: Path) -> list[Picture]:
+    """Each page of a TIFF of several; what cannot be read is one picture, and refused later."""
+    try:
+        refuse_unless_file(path)
+        pages = pages_of(path)
+    except Unmeasurable:
+        return [Picture(path)]
+    return [Picture(path, page) for page in pages] if len(pages) > 1 else [Picture(path)]
+
+
 def _batch(
-    paths: list[Path], output: Path, asked: _Asked, quiet: bool
+    pictures: list[Picture], output: Path, asked: _Asked, quiet: bool
 ) -> tuple[list[dict[str, Any]], Exception | None]:
     """Measure each photograph into a folder of its own; returns the summary and a defect of ours.
 
@@ -112,26 +126,31 @@ def _batch(
     raised in the end.
     """
     rows, done, defect = [], [], None
-    for path, name in tqdm(
-        list(zip(paths, _names(paths), strict=True)), unit="photo", disable=quiet
+    for picture, name in tqdm(
+        list(zip(pictures, _names(pictures), strict=True)), unit="photo", disable=quiet
     ):
         try:
-            rows.append(_one(path, output / name, name + path.suffix, asked))
+            rows.append(_one(picture, output / name, name + picture.path.suffix, asked))
             done.append(output / name)
         except Exception as error:
-            rows.append({"photo": path.name, "refused": _reason(error)})
+            rows.append(_which(picture) | {"refused": _reason(error)})
             if not is_users_fault(error):
                 defect = defect or error
     write_batch(output, done, rows)
     return rows, defect
 
 
-def _refuse_corrections(file: str | None, none: bool, paths: list[Path]) -> None:
+def _which(picture: Picture) -> dict[str, Any]:
+    page = {} if picture.page is None else {"page": picture.page}
+    return {"photo": picture.path.name} | page
+
+
+def _refuse_corrections(file: str | None, none: bool, pictures: list[Picture]) -> None:
     if file and none:
         raise UserError("--corrections and --no-corrections: give one of them")
-    if file and len(paths) > 1:
+    if file and len(pictures) > 1:
         raise UserError(
-            f"--corrections {file}: is of one photograph, not of {len(paths)}; put a file "
+            f"--corrections {file}: is of one photograph, not of {len(pictures)}; put a file "
             f"PHOTO{SUFFIX} beside each"
         )
 
@@ -155,17 +174,30 @@ def _refuse_output(output: Path, paths: list[Path]) -> None:
         ) from error
 
 
-def _names(paths: list[Path]) -> list[str]:
-    """Name each photograph's folder; equal names get a number."""
+def _names(pictures: list[Picture]) -> list[str]:
+    """Name each photograph's folder, pages after their file; equal names get a number."""
     names: list[str] = []
     taken: set[str] = set()
-    for path in paths:
-        name, number = path.stem, 2
+    digits = len(str(max(page or 0 for _, page in pictures)))
+    for path, page in pictures:
+        stem = path.stem if page is None else f"{path.stem}-page-{page:0{digits}d}"
+        name, number = stem, 2
         while name.casefold() in taken:  # some file systems do not tell A from a
-            name, number = f"{path.stem}-{number}", number + 1
+            name, number = f"{stem}-{number}", number + 1
         taken.add(name.casefold())
         names.append(name)
     return names
+
+
+def _said_beside(picture: Picture) -> Path | None:
+    """Return the corrections beside a photograph; those of all pages at once are refused."""
+    said = beside(f"{picture}")
+    if said is None and picture.page and (whole := beside(picture.path)) is not None:
+        raise UserError(
+            f"{whole}: is of one photograph, {picture.path.name} holds several; name it after the "
+            f"page it is of, as '{Path(f'{picture}').name}{SUFFIX}'"
+        )
+    return said
 
 
 def _reason(error: Exception) -> str:
@@ -174,24 +206,24 @@ def _reason(error: Exception) -> str:
     return f"a defect of this program ({type(error).__name__}: {error}); please report it"
 
 
-def _one(path: Path, folder: Path, name: str, asked: _Asked) -> dict[str, Any]:
+def _one(picture: Picture, folder: Path, name: str, asked: _Asked) -> dict[str, Any]:
     """Measure one photograph into its folder; returns its line of the summary."""
     options, view = asked.options, asked.view
     board = view.scale.board if view.scale else None
-    said = beside(path) if options.corrections == BESIDE else options.corrections
+    said = _said_beside(picture) if options.corrections == BESIDE else options.corrections
     besides = [
         Path(one) for one in (view.roi, view.ignore, board, said) if isinstance(one, str | Path)
     ]
-    record: dict[str, Any] = {"input": fingerprint(path, asdict(options), besides)}
+    record: dict[str, Any] = {"input": fingerprint(picture, asdict(options), besides)}
     if not asked.again and (old := earlier(folder, record["input"])) is not None:
         return old | {"kept": True}
-    photo = view.read(path)
+    photo = view.read(*picture)
     colours = options.colours.split(",") if options.colours else None
     words = said_of(photo, said, "the command line", strands=options.strands, colours=colours)
     measured = measure(photo, view.scale, options.n_sec, corrections=words)
     record["exif"] = photo.exif
     record["corrections"] = _hand(said, measured.hand)
-    record["summary"] = _row(path, measured)
+    record["summary"] = _row(picture, measured)
     write_photo(folder, name, measured, record)
     return record["summary"]
 
@@ -206,10 +238,10 @@ def _hand(file: str | Path | None, hand: Hand) -> dict[str, Any]:
     }
 
 
-def _row(path: Path, measured: Measured) -> dict[str, Any]:
+def _row(picture: Picture, measured: Measured) -> dict[str, Any]:
     kinds = measured.crossings["kind"]
     row: dict[str, Any] = {
-        "photo": path.name,
+        **_which(picture),
         "refused": "",
         "strands": len(measured.strands),
         "colours": len(measured.segmentation.colours),
@@ -252,10 +284,11 @@ def _summary(rows: list[dict[str, Any]], output: Path) -> str:
 
 def _lines(row: dict[str, Any]) -> list[str]:
     """Say what was found in a photograph, and below it what is doubtful."""
+    name = f"{row['photo']}, page {row['page']}" if "page" in row else row["photo"]
     if row["refused"]:
-        return [f"{row['photo']}: REFUSED, {row['refused']}"]
+        return [f"{name}: REFUSED, {row['refused']}"]
     counts = ", ".join(f"{k} of {n}" for n, k in row.get("interactions", {}).items())
-    text = f"{row['photo']}: {_number(row['strands'], 'strand')}"
+    text = f"{name}: {_number(row['strands'], 'strand')}"
     text += f", {_number(row['crossings'], 'crossing')}"
     if row["over_unknown"]:
         text += f" ({row['over_unknown']} with unknown top)"

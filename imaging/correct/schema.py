@@ -263,10 +263,13 @@ def written(corrections: Corrections) -> str:
 def beside(photograph: str | Path) -> Path | None:
     """Return the corrections file that lies beside a photograph, or None.
 
-    ``curl.jpg.corrections.json``, else ``curl.corrections.json``.
+    ``curl.jpg.corrections.json``, else ``curl.corrections.json``; of a page of a TIFF
+    ``stack.tif, page 3.corrections.json`` only.
     """
     path = Path(photograph)
     if not path.name:
         return None
-    names = (path.name + SUFFIX, path.stem + SUFFIX)
+    names = [path.name + SUFFIX]
+    if " " not in path.suffix:  # what is said of all of stack is not said of a page
+        names.append(path.stem + SUFFIX)
     return next((p for name in names if (p := path.with_name(name)).is_file()), None)

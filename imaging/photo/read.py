@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from imaging.errors import Unmeasurable
-from imaging.photo.decode import decode
+from imaging.photo.decode import Picture, decode
 from imaging.photo.region import MIN_SIDE, Box, mask_of, outside
 
 BAND = 2**17  # pixels worked on at once, whole rows: they stay in the processor's cache
@@ -85,6 +85,7 @@ def read_photo(
     *,
     roi: Box | str | Path | np.ndarray | None = None,
     ignore: str | Path | np.ndarray | None = None,
+    page: int | None = None,
 ) -> Photo:
     """Read one photograph: JPEG, PNG, TIFF (8 or 16 bits), and HEIC or camera RAW with the extra.
 
@@ -100,6 +101,8 @@ def read_photo(
         as the upright picture (file: brighter than half, array: not zero) = look here.
     ignore : path or (h, w) array, optional
         The same; do not look here.
+    page : int, optional
+        Page of a TIFF of several, from 1 (`imaging.photo.pages.pages_of` lists them).
 
     Returns
     -------
@@ -108,30 +111,31 @@ def read_photo(
     Raises
     ------
     Unmeasurable
-        When the file is not a picture, is damaged, holds several pictures, or is too small or too
-        large; when a region or mask does not fit it or leaves nothing to look at.
+        When the file is not a picture, is damaged, holds several pictures and no page is named, or
+        is too small or too large; when a region or mask does not fit it or leaves nothing to look
+        at.
     """
-    path = Path(path)
-    stored = decode(path)
+    picture = Picture(Path(path), page)
+    stored = decode(*picture)
     mirror, turns = _UPRIGHT.get(stored.orientation, (False, 0))
     upright = np.rot90(stored.pixels[:, ::-1] if mirror else stored.pixels, turns)
     colour, hidden = _rgb_and_hidden(upright)
     height, width = hidden.shape
     if min(height, width) < MIN_SIDE:
         raise Unmeasurable(
-            f"{path}: {width} x {height} pixels; "
+            f"{picture}: {width} x {height} pixels; "
             f"a photograph needs at least {MIN_SIDE} x {MIN_SIDE}"
         )
     if roi is not None:
-        hidden = hidden | outside(path, roi, (height, width))
+        hidden = hidden | outside(picture, roi, (height, width))
     if ignore is not None:
-        hidden = hidden | mask_of(path, ignore, (height, width))
+        hidden = hidden | mask_of(picture, ignore, (height, width))
     if hidden.all():
         raise Unmeasurable(
-            f"{path}: transparency, region of interest and mask leave nothing to look at"
+            f"{picture}: transparency, region of interest and mask leave nothing to look at"
         )
     pixels = np.ascontiguousarray(colour)
-    return Photo(pixels, str(path), hidden if hidden.any() else None, stored.exif)
+    return Photo(pixels, str(picture), hidden if hidden.any() else None, stored.exif)
 
 
 def _rgb_and_hidden(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from imaging.errors import Unmeasurable
-from imaging.photo.decode import decode
+from imaging.photo.decode import Picture, decode
 
 MIN_SIDE = 16  # pixels; nothing narrower holds a strand and its background
 FORMS = "x0,y0,x1,y1 in whole pixels (x1 and y1 excluded), or a mask picture, white = look here"
@@ -31,12 +31,14 @@ def parse_region(text: str) -> Box | Path:
     return x0, y0, x1, y1
 
 
-def outside(path: Path, roi: Box | str | Path | np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+def outside(
+    picture: Picture, roi: Box | str | Path | np.ndarray, shape: tuple[int, int]
+) -> np.ndarray:
     """Return what lies outside a region of interest, (h, w) bool.
 
     Parameters
     ----------
-    path : path
+    picture : Picture
         The photograph, for messages.
     roi : (x0, y0, x1, y1), path or (h, w) array
         A box, upper left included, lower right excluded; or a mask, nonzero = look here.
@@ -44,17 +46,17 @@ def outside(path: Path, roi: Box | str | Path | np.ndarray, shape: tuple[int, in
         Of the upright photograph.
     """
     if not isinstance(roi, tuple):
-        return ~mask_of(path, roi, shape)
+        return ~mask_of(picture, roi, shape)
     x0, y0, x1, y1 = roi
     height, width = shape
     if not (0 <= x0 < x1 <= width and 0 <= y0 < y1 <= height):
         raise Unmeasurable(
-            f"{path}: region of interest {roi} does not lie in the picture "
+            f"{picture}: region of interest {roi} does not lie in the picture "
             f"(0 <= x0 < x1 <= {width}, 0 <= y0 < y1 <= {height})"
         )
     if min(x1 - x0, y1 - y0) < MIN_SIDE:
         raise Unmeasurable(
-            f"{path}: region of interest {roi} is {x1 - x0} x {y1 - y0} pixels; "
+            f"{picture}: region of interest {roi} is {x1 - x0} x {y1 - y0} pixels; "
             f"give at least {MIN_SIDE} x {MIN_SIDE}"
         )
     hidden = np.ones(shape, bool)
@@ -62,8 +64,8 @@ def outside(path: Path, roi: Box | str | Path | np.ndarray, shape: tuple[int, in
     return hidden
 
 
-def mask_of(path: Path, mask: str | Path | np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Return a mask as (h, w) bool; it must be as large as the upright photograph at `path`.
+def mask_of(picture: Picture, mask: str | Path | np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Return a mask as (h, w) bool; it must be as large as the upright photograph `picture`.
 
     A file counts where it is brighter than half, for JPEG smears; an array where it is not zero.
     """
@@ -73,7 +75,7 @@ def mask_of(path: Path, mask: str | Path | np.ndarray, shape: tuple[int, int]) -
         name, marked = f"the mask {mask}", _bright(decode(Path(mask)).pixels)
     if marked.shape != shape:
         raise Unmeasurable(
-            f"{path}: {name} is {marked.shape[1]} x {marked.shape[0]} pixels, "
+            f"{picture}: {name} is {marked.shape[1]} x {marked.shape[0]} pixels, "
             f"the photograph (upright) {shape[1]} x {shape[0]}; they must agree"
         )
     return marked

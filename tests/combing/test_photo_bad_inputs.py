@@ -240,7 +240,7 @@ CASES = {
     ),
     "animated GIF": Case(animation, "holds 2 pictures; export the one"),
     "pages": Case(
-        tiff(np.zeros((3, 32, 32), np.uint16), photometric="minisblack"), "holds 3 pictures"
+        tiff(np.zeros((3, 32, 32), np.uint16), photometric="minisblack"), "none of the 3 photo"
     ),
     "float": Case(tiff(np.zeros((32, 32), np.float32)), "pixels are float32; save"),
     "not a number": Case(tiff(np.full((32, 32), np.nan, np.float32)), "pixels are float32"),
