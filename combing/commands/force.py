@@ -27,6 +27,7 @@ SUFFIXES = {
     ".xlsm",
     ".xls",
     ".ods",
+    ".zs2",
 }
 
 

@@ -44,9 +44,9 @@ def specimens(path: Path, units: Mapping[str, str]) -> list[Sheet]:
     missing = [q for q in ("displacement", "force") if q not in units]
     if missing:
         raise Unreadable(
-            f"{path}: the units of a .zs2 file's numbers cannot be read: say"
-            f" {' '.join(f'--units {q}=...' for q in missing)} (compare one value with testXpert;"
-            " m and N are usual)"
+            f"{path}: the units of a .zs2 file's numbers cannot be read: say --units"
+            f" {','.join(f'{q}=...' for q in missing)} (compare one value with testXpert; m and N"
+            " are usual)"
         )
     names = _names(chunks)
     found = [_sheet(path, number, block, names) for number, block in enumerate(_blocks(chunks), 1)]
@@ -74,7 +74,7 @@ def _chunks(path: Path) -> Iterator[Chunk]:
     sections: list[str] = []
     for _, name, kind, value in decoded:
         if kind == "end":
-            sections.pop()
+            del sections[-1:]
             continue
         yield (*sections, name), value
         if kind == "DD":
@@ -103,8 +103,12 @@ def _blocks(chunks: Sequence[Chunk]) -> list[dict[int, list[float]]]:
         ):
             block = blocks.setdefault(place[:-3], {})
             block.setdefault(place[-2], {})[place[-1]] = value
-    return [{c["TrsChannelId"]: c["DataArray"] for c in block.values() if len(c) == 2}
-            for block in blocks.values()]  # fmt: skip
+    found = [
+        {c["TrsChannelId"]: c["DataArray"] for c in block.values()
+         if len(c) == 2 and isinstance(c["DataArray"], list)}
+        for block in blocks.values()
+    ]  # fmt: skip
+    return [block for block in found if any(block.values())]  # others were planned, not recorded
 
 
 def _sheet(path: Path, number: int, block: dict[int, list[float]], names: dict[int, str]) -> Sheet:

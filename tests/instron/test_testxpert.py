@@ -66,7 +66,7 @@ def test_specimens_of_a_series(tmp_path, kind, rtol):
 def test_units_are_asked_for(tmp_path):
     path = write(tmp_path / "nylon.zs2", NAMES, [COLUMNS])
     with pytest.raises(
-        instron.Unreadable, match=r"nylon\.zs2: .*--units displacement=\.\.\. --units"
+        instron.Unreadable, match=r"nylon\.zs2: .*--units displacement=\.\.\.,force="
     ):
         instron.read(path)
     (log,) = instron.read(path, units=SI | {"displacement": "mm"})
@@ -78,8 +78,12 @@ def test_what_cannot_be_read_is_refused_by_name(tmp_path):
     path.write_bytes(gzip.compress(gzip.decompress(path.read_bytes())[:-300]))
     with pytest.raises(instron.Unreadable, match=r"cut\.zs2"):
         instron.read(path, units=SI)
-    with pytest.raises(instron.Unreadable, match="no recorded specimen"):
-        instron.read(write(tmp_path / "none.zs2", NAMES, []), units=SI)
+    planned = {key: [] for key in COLUMNS}
+    for number, recordings in enumerate(([], [planned])):
+        path = write(tmp_path / f"none{number}.zs2", NAMES, recordings)
+        with pytest.raises(instron.Unreadable, match="no recorded specimen"):
+            instron.read(path, units=SI)
+    assert len(instron.read(write(tmp_path / "one.zs2", NAMES, [planned, COLUMNS]), units=SI)) == 1
     with pytest.raises(instron.Unreadable, match=r"specimen 1: channels of \[40, 39\]|\[39, 40\]"):
         instron.read(write(tmp_path / "odd.zs2", NAMES, [COLUMNS | {12: F[:39]}]), units=SI)
     with pytest.raises(instron.Unreadable, match="no force"):
