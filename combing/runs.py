@@ -7,9 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import TypeVar, cast
 
-from tqdm import tqdm
-
 import sim
+from combing.progress import Bar
 from combing.workers import Crew, cores
 
 Key = TypeVar("Key")
@@ -97,9 +96,8 @@ def simulating(
 
 
 def _watch(crew: Crew, total: int, failed: dict[Path, Exception], quiet: bool) -> None:
-    layout = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
     name = f"simulating {total} scene{'s' if total > 1 else ''}"
-    with tqdm(total=100.0, desc=name, bar_format=layout, mininterval=1, disable=quiet) as bar:
+    with Bar(total=100.0, desc=name, mininterval=1, disable=quiet) as bar:
 
         def ended(path: Path, error: Exception | None) -> None:
             if error is not None:

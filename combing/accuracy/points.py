@@ -9,10 +9,9 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 
-from tqdm import tqdm
-
 from combing.accuracy.measurement import Measurement, Problem
 from combing.errors import UserError
+from combing.progress import Bar
 from combing.runs import model_version
 from sim import Unstable
 from sim.compilation import compile_for
@@ -98,10 +97,7 @@ def _check_writable(folder: Path) -> None:
 def _progress(problems: list[Problem], quiet: bool) -> Iterator[Callable[[Problem], None]]:
     """Show on stderr how much of the work is done, by steps times nodes."""
     work = {problem: _work(problem) for problem in problems}
-    layout = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
-    with tqdm(
-        total=sum(work.values()), desc=f"{len(problems)} points", bar_format=layout, disable=quiet
-    ) as bar:
+    with Bar(total=sum(work.values()), desc=f"{len(problems)} points", disable=quiet) as bar:
 
         def done(problem: Problem) -> None:
             bar.update(work[problem])

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 import pandas as pd
-from tqdm import tqdm
 
 from combing.errors import UserError
+from combing.progress import Bar
 from combing.spoken import said_aloud
 
 if TYPE_CHECKING:
@@ -126,9 +126,8 @@ def _parameter(text: str) -> tuple[str, Any]:
 def _run(scene: Scene, output: Path, quiet: bool, *, fresh: bool, any_cost: bool) -> Run:
     from sim import simulate
 
-    bar = tqdm(
+    bar = Bar(
         total=100, desc=scene.title, disable=quiet, delay=1e-3,
-        bar_format="{l_bar}{bar}| {elapsed}<{remaining}",
         mininterval=0.5 if sys.stderr.isatty() else 30.0,  # a log file needs few lines
     )  # fmt: skip
 

@@ -6,18 +6,17 @@ from pathlib import Path
 from typing import Protocol
 
 import pandas as pd
-from tqdm import tqdm
 
 import instron
 import sim
 from combing.ensemble import Member
+from combing.progress import Bar
 from combing.study.plan import Sweep
 from combing.sweep.store import Store, part_of_points
 from combing.tables import write_table
 from combing.workers import Crew, cores
 
 BUSY = "another process is writing this run"  # sim.journal's words: no failure, it is on its way
-LAYOUT = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
 
 
 class Engine(Protocol):
@@ -137,7 +136,7 @@ def _processes(jobs: int | None) -> Start:
 
 def _watch(engine: Engine, missing: Mapping[Path, Member], store: Store, quiet: bool) -> None:
     done = failed = 0
-    with tqdm(total=100.0, bar_format=LAYOUT, mininterval=1, disable=quiet) as bar:
+    with Bar(total=100.0, mininterval=1, disable=quiet) as bar:
 
         def look() -> None:
             ending = f", {failed} failed" if failed else ""
