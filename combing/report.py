@@ -79,15 +79,20 @@ def write_report(
 
 
 def shown(value: Any, digits: int = 3) -> str:
-    """Write a number with `digits` significant ones, a missing one as a dash."""
+    """Write a number with `digits` significant ones, a missing one as a dash.
+
+    A whole one below 1000 is a count or a set value (nothing measured comes out whole): as such.
+    """
     if value is pd.NA:
         return "–"
     if not isinstance(value, float):
         return str(value)
     if math.isnan(value):
         return "–"
-    if value == 0 or 1e-3 <= abs(value) < 1e5:
-        places = digits - 1 - math.floor(math.log10(abs(value))) if value else 0
+    if value.is_integer() and abs(value) < 1e3:
+        return f"{value:.0f}".replace("-", "−")
+    if 1e-3 <= abs(value) < 1e5:
+        places = digits - 1 - math.floor(math.log10(abs(value)))
         return f"{value:.{max(places, 0)}f}".replace("-", "−")
     return f"{value:.{digits - 1}e}".replace("-", "−")
 

@@ -77,7 +77,8 @@ def test_page_fetches_nothing(page):
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(0.0, "0"), (1234.5, "1234"), (0.012345, "0.0123"), (-1.5, "−1.50"), (2e-7, "2.00e−07")],
-)
-def test_shown_keeps_three_digits(value, text):
+    [(0.0, "0"), (1234.5, "1234"), (0.012345, "0.0123"), (-1.5, "−1.50"), (2e-7, "2.00e−07"),
+     (1.0, "1"), (-3.0, "−3"), (24.0, "24"), (2.6667, "2.67"), (np.nan, "–"), ("tine", "tine")],
+)  # fmt: skip
+def test_shown_keeps_three_digits_and_whole_numbers(value, text):
     assert shown(value) == text
