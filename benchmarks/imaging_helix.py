@@ -1,10 +1,11 @@
 """Accuracy of the link density on drawn photographs whose truth is known: asked beside reached.
 
-    python benchmarks/imaging_helix.py [goals] [coverage] [lab] [--renders 200] [--quick]
+    python benchmarks/imaging_helix.py [goals] [coverage] [lab] [unlike 36] [--renders 200]
 
 `goals`: the numbers asked of single helices. `coverage`: the share of the truth that 95 % intervals
 hold, over varied photographs (`helix_renders`), each drawn, segmented and measured from its pixels.
-`lab`: the photographs in data/, whose truth is a simulation. All three by default; --quick draws 12
+`lab`: the photographs in data/, whose truth is a simulation. `unlike N`: intervals on N pictures by
+a renderer with other light (`helix_unlike`). The first three by default; --quick draws 12
 varied photographs and the smaller helices only.
 """
 
@@ -13,6 +14,7 @@ import sys
 import time
 from pathlib import Path
 
+import helix_unlike
 import numpy as np
 import pandas as pd
 from drawn.helix import SyntheticHelix, draw_helix
@@ -290,7 +292,7 @@ def goals(quick: bool) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("parts", nargs="*", metavar="goals, coverage, lab")
+    parser.add_argument("parts", nargs="*", metavar="goals, coverage, lab, unlike N")
     parser.add_argument("--renders", type=int, default=200)
     parser.add_argument("--quick", action="store_true")
     asked = parser.parse_args()
@@ -301,6 +303,8 @@ def main() -> None:
         coverage(12 if asked.quick else asked.renders)
     if "lab" in parts:
         lab()
+    if "unlike" in parts:
+        helix_unlike.main(next((int(part) for part in parts if part.isdigit()), 36))
 
 
 if __name__ == "__main__":
