@@ -7,6 +7,7 @@ import pandas as pd
 
 from combing import __version__
 from combing.compare.comparison import Comparison
+from combing.compare.sweep import PEAKS_OVER
 from combing.report import Section, shown
 
 BIBTEX = """\
@@ -38,7 +39,7 @@ METHODS = {
 def found_section(comparisons: Mapping[str, Comparison]) -> list[Section]:
     """Return the section that says what was found; none where nothing stands beside anything."""
     said: dict[str, Callable[[Comparison], Iterator[str]]] = {
-        "force": _force, "link": _link, "interactions": _curls,
+        "force": _force, "sweep": _sweep, "link": _link, "interactions": _curls,
     }  # fmt: skip
     text = [one for kind, say in said.items() if kind in comparisons
             for one in say(comparisons[kind])]  # fmt: skip
@@ -84,6 +85,37 @@ def _where(plotted: pd.DataFrame) -> tuple[float, float]:
     apart = np.interp(mean["x"], run["x"], run["f"]) - mean["f"].to_numpy()
     most = int(np.nanargmax(np.abs(apart)))
     return float(mean["x"].iloc[most]), float(apart[most])
+
+
+def _sweep(found: Comparison) -> Iterator[str]:
+    for title, table in found.numbers:
+        over = title.removeprefix(PEAKS_OVER)
+        if over == title:
+            continue
+        for name, rows in table.groupby("set", sort=False):
+            for source, own in rows.groupby("source", sort=False):
+                yield from _course(f"{name}, {source}", over, own.sort_values(over))
+            both = rows.pivot(index=over, columns="source", values="f_max").dropna()
+            if {"experiment", "simulation"} <= set(both) and len(both):
+                apart = both["simulation"] / both["experiment"] - 1
+                yield (
+                    f"{name}: the simulation's highest force is {_signed(apart.min())} to "
+                    f"{_signed(apart.max())} the experiment's, farthest from it at {over} = "
+                    f"{apart.abs().idxmax():g}."
+                )
+
+
+def _course(name: str, over: str, rows: pd.DataFrame) -> Iterator[str]:
+    """Say how the highest force goes over the values of a set."""
+    if len(rows) < 2:
+        return
+    peaks, values = rows["f_max"].to_numpy(), rows[over].to_numpy()
+    steps = np.diff(peaks)
+    way = "rising" if (steps > 0).all() else "falling" if (steps < 0).all() else "up and down"
+    yield (
+        f"{name}: the highest force is {peaks[0]:.3g} at {over} = {values[0]:g} and "
+        f"{peaks[-1]:.3g} at {over} = {values[-1]:g}, {way} between the {len(rows)} values."
+    )
 
 
 def _link(found: Comparison) -> Iterator[str]:

@@ -13,6 +13,7 @@ from combing.study import SweepSet
 from combing.unlinking import link_facts, link_history
 
 LEVEL = 0.95
+PEAKS_OVER = "Force peak over "  # title of the table of numbers, before the parameter
 SUDDEN = 0.05  # of D: a jam's force falls steepest within this; a smooth hump's does not
 STRETCHED = 10.0  # times f_max: Love's helix is nearly straight
 Curves = Mapping[float, Sequence[pd.DataFrame]]
@@ -86,7 +87,7 @@ def compare_sweep(
     plotted = pd.concat(parts, ignore_index=True).assign(set=chosen.name, over=chosen.over)
     return Comparison(
         plotted=plotted.assign(black=chosen.black),
-        numbers=[(f"Force peak over {chosen.over}", pd.DataFrame(rows))],
+        numbers=[(PEAKS_OVER + chosen.over, pd.DataFrame(rows))],
         notes=_doubts(chosen, "experiment", measured) + _doubts(chosen, "simulation", simulated),
         synthetic=any(
             says_synthetic(curve.attrs.get("metadata", {}))

@@ -32,6 +32,29 @@ def test_the_force_is_said_with_its_sign_and_place():
     assert "within its range" in found_section(force(2.2))[0].text[0]
 
 
+def test_a_sweep_says_how_the_force_goes_and_how_far_apart_they_are():
+    def rows(source, peaks):
+        values = [36.0, 14.0, 24.0][: len(peaks)]
+        return pd.DataFrame({"set": "pitch", "source": source, "pi1": values,
+                             "f_max": peaks})  # fmt: skip
+
+    def said(*parts):
+        table = pd.concat(parts, ignore_index=True)
+        found = Comparison(table, [("Force peak over pi1", table)])
+        return found_section({"sweep": found})[0].text
+
+    alone = said(rows("simulation", [5.0, 40.0, 15.0]))
+    assert alone == [
+        "pitch, simulation: the highest force is 40 at pi1 = 14 and 5 at pi1 = 36, falling between "
+        "the 3 values."
+    ]
+    *_, apart = said(rows("simulation", [5.0, 40.0, 15.0]), rows("experiment", [4.0, 50.0, 15.0]))
+    assert "20% below to 25% above the experiment's, farthest from it at pi1 = 36" in apart
+    *_, apart = said(rows("simulation", [5.0, 40.0, 15.0]), rows("experiment", [4.0]))
+    assert "farthest from it at pi1 = 36" in apart
+    assert "up and down" in said(rows("simulation", [50.0, 40.0, 15.0]))[0]
+
+
 def test_pairs_agree_or_do_not():
     def curls(simulated):
         row = {"set": "12 hairs", "N": 2, "experiment": 100.0, "experiment, sd over curls": 6.0}
