@@ -269,9 +269,14 @@ def _table(
     table.attrs = _provenance(source, body, number, delimiter, written)
     notes += found + milliseconds(table, table.attrs["metadata"])
     table.attrs["warnings"] = notes
-    lost = (re.search(r"(\d+) rows? lost", note) for note in notes)
-    table.attrs["lost_rows"] = sum(int(found[1]) for found in lost if found)
+    table.attrs["lost_rows"] = _lost_rows(notes)
     return table
+
+
+def _lost_rows(notes: Sequence[str]) -> int:
+    """Return how many rows the warnings say are lost."""
+    found = (re.search(r"(\d+) rows? lost", note) for note in notes)
+    return sum(int(each[1]) for each in found if each)
 
 
 def _why_no_time(header: Header) -> str:

@@ -124,7 +124,7 @@ def choose(names: Sequence[str], units: Sequence[str] | None, sample: Sample, to
     asked = (_doubt(q, *specimen[q], told) for specimen in specimens for q in specimen)
     question = question or next(filter(None, asked), "")
     channels = [{q: _channel(q, *s[q]) for q in s} for s in specimens]
-    doubts += _out_of_reach(headings, chosen, sample)
+    doubts += _out_of_reach(headings, chosen, sample, told)
     return Choice(channels, _passed_over(headings, found, chosen), question, doubts)
 
 
@@ -283,9 +283,11 @@ def _passed_over(
     return notes
 
 
-def _out_of_reach(headings: list[Heading], chosen: list[Found | None], sample: Sample) -> list[str]:
-    """Name the columns, as near to the crosshead as those taken, that every row ends before."""
-    rank = {h.quantity: h.rank for _, h in filter(None, chosen)}
+def _out_of_reach(
+    headings: list[Heading], chosen: list[Found | None], sample: Sample, told: Told
+) -> list[str]:
+    """Name the columns, as near to the crosshead as those found, that every row ends before."""
+    rank = {h.quantity: h.rank for _, h in filter(None, chosen) if h.quantity not in told.columns}
     named_so = [(i, h) for i, h in enumerate(headings) if h.quantity in rank and h.fits]
     lost = [h.name for i, h in named_so
             if not h.role and h.rank <= rank[h.quantity] and not sample.reaches(i)]  # fmt: skip

@@ -128,6 +128,9 @@ def test_a_column_that_every_row_ends_before_is_missed(header, tmp_path):
     lost = [name.split(" ")[0] for name in header.split(";")[len(letters) :]]
     assert warning.startswith("every row ends before ")
     assert all(name in warning for name in lost)
+    told = {q: f"#{'txF'.index(c) + 1}" for q, c in (("displacement", "x"), ("force", "F"))}
+    answered = read(tmp_path, header, letters, columns=told | {"time": "#1"})[0].attrs["warnings"]
+    assert answered == []
 
 
 TIES = {
