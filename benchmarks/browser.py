@@ -17,7 +17,8 @@ from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = [
-    "--headless", "--disable-gpu", "--no-sandbox", "--no-first-run", "--disable-dev-shm-usage",
+    "--headless", "--no-sandbox", "--no-first-run", "--disable-dev-shm-usage",
+    "--use-angle=swiftshader", "--enable-unsafe-swiftshader",  # WebGL without a graphics card
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
     "--remote-debugging-pipe",
 ]  # fmt: skip
@@ -100,7 +101,7 @@ class Page:
             self.requests.append(params["request"]["url"][:200])
 
     def open(self, file: Path, width: int = 1280, height: int = 900) -> None:
-        """Open a page of `combing edit` and wait until it is ready."""
+        """Open a page of this program and wait until it is ready."""
         self.size(width, height)
         self.call("Page.navigate", url=file.resolve().as_uri())
         self.wait("document.body && document.body.dataset.ready === 'yes'")

@@ -16,6 +16,7 @@ COMMANDS = {
     "helix": "combing.commands.helix",
     "force": "combing.commands.force",
     "simulate": "combing.commands.simulate",
+    "view": "combing.commands.view",
     "sweep": "combing.commands.sweep",
     "compare": "combing.commands.compare",
     "claims": "combing.commands.claims",
