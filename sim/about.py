@@ -27,6 +27,7 @@ def about(march: Explicit) -> dict[str, Any]:
         "windows": windows,
         "window_steps": window_steps,
         "strands": [count + 1 for count in march.state.elements],
+        "frames": scene.output.frames,
         "samples": columns(march),
         "attributes": {
             "title": scene.title,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sim.marching import Marching
 
 Arrays = dict[str, NDArray[Any]]
-FORMAT = 2  # of what is saved: to be raised with every change of the lists below
+FORMAT = 3  # of what is saved: to be raised with every change of the lists below
 ROWS = "X0 X1 X2 V0 V1 V2 Q00 Q01 Q02 Q10 Q11 Q12 Q20 Q21 Q22 W0 W1 W2 A0 A1 A2 G0 G1 G2 ROAM SWAY"
 NUMBERS = ("steps", "ticks", "parts", "finest", "calm")
 PAIRS = ("deep", "tight")
@@ -19,8 +19,9 @@ REPLACED = ("contact.pairs", "contact.listed")  # by every new list, never writt
 RECORDS = {
     "contact": ("pairs", "slip", "listed", "runs", "play"),
     "planes": ("load", "slip"),
-    "tines": ("now", "load", "work", "slip"),
+    "tines": ("now", "load", "work", "slip", "strands"),
     "driven": ("work", "reaction"),
+    "held": ("net",),
     "pulled": ("work",),
     "ledger": ("drag", "material", "friction"),
 }
@@ -68,7 +69,8 @@ def _records(march: Marching) -> Iterator[tuple[str, str, NDArray[Any]]]:
     for effect, names in RECORDS.items():
         value = getattr(march.effects, effect)
         if value is not None:
-            yield from ((effect, name, getattr(value, name)) for name in names)
+            found = ((effect, name, getattr(value, name)) for name in names)
+            yield from (each for each in found if each[2] is not None)
 
 
 def _same_fields(here: Arrays, there: Arrays) -> None:

@@ -67,4 +67,6 @@ def _mark(scene: Scene) -> Path:
     bodies = effects["tines"] or effects["planes"]
     if bodies is not None and bodies.viscous is not None:
         present.append("damped")
+    if effects["tines"] is not None and effects["tines"].strands is not None:
+        present.append("strands")
     return CACHE / "-".join(["compiled", llvmlite.binding.get_host_cpu_name(), *present])

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from sim import checkpoint
 from sim.errors import SceneError
 from sim.explicit import Explicit
+from sim.journal import SAMPLES, SNAPSHOTS, widths
 from sim.observers import due
 
 TRIAL = 0.05  # s of marching from which its speed is told
@@ -44,8 +45,8 @@ def cost(march: Explicit, about: dict[str, Any]) -> Cost:
     """Return what a run from where the march is will cost; the march is left as it was."""
     steps = about["windows"] * about["window_steps"]
     snapshots = len(due(march.scene.output.snapshots, min(about["windows"], 1 << 24)))
-    nodes = sum(about["strands"])
-    file = 8.0 * (snapshots * (2 + 3 * nodes) + about["windows"] * len(about["samples"]))
+    nodes, width = sum(about["strands"]), widths(about)
+    file = 8.0 * (snapshots * width[SNAPSHOTS] + about["windows"] * width[SAMPLES])
     return Cost(steps, BYTES * nodes, file, steps * _time_of_a_step(march))
 
 

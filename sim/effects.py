@@ -117,6 +117,7 @@ def tines(scene: Scene, state: State) -> tine_kernel.Tines | None:
     return tine_kernel.Tines(
         line_stiffness, geometry, np.array([_program(t) for t in scene.tines]),
         np.zeros((m, 7)), np.zeros((m, 3)), np.zeros(1), slip, touch_viscous(scene),
+        *((np.zeros((len(scene.rods), 3)), state.rod_of_element()) if scene.output.forces else ()),
     )  # fmt: skip
 
 
@@ -157,13 +158,24 @@ def driven(scene: Scene, state: State) -> ends_kernel.Driven | None:
     found = [each for each in _ends(scene, state) if each[0].motion or each[0].slides]
     if not found:
         return None
+    node, ghost, slide = _holders(found)
+    course = np.array([_course(end.motion or Motion()) for end, *_ in found])
+    return ends_kernel.Driven(node, ghost, course, slide, np.zeros(1), np.zeros((len(found), 3)))
+
+
+def held(scene: Scene, state: State) -> ends_kernel.Held | None:
+    """Return the held ends, if there are any and their reactions are asked for."""
+    found = [each for each in _ends(scene, state) if each[0].hold != "free"]
+    if not found or not scene.output.forces:
+        return None
+    return ends_kernel.Held(*_holders(found), np.zeros((len(found), 6)))
+
+
+def _holders(found: list[tuple[End, int, int, int]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return node, clamp's frame (-1 for a pin) and direction to slide along of ends."""
     ghost = [ghost if end.hold == "clamped" else -1 for end, _, _, ghost in found]
-    return ends_kernel.Driven(
-        np.array([node for _, node, _, _ in found]), np.array(ghost),
-        np.array([_course(end.motion or Motion()) for end, *_ in found]),
-        np.array([_unit(end.slides) if end.slides else np.zeros(3) for end, *_ in found]),
-        np.zeros(1), np.zeros((len(found), 3)),
-    )  # fmt: skip
+    slide = [_unit(end.slides) if end.slides else np.zeros(3) for end, *_ in found]
+    return np.array([node for _, node, _, _ in found]), np.array(ghost), np.array(slide)
 
 
 def _course(motion: Motion) -> list[float]:
@@ -209,6 +221,7 @@ def all_effects(scene: Scene, state: State, dt: float) -> march_kernel.Effects:
         driven=driven(scene, state),
         pulled=pulled(scene, state),
         ledger=ledger(scene, state),
+        held=held(scene, state),
     )
 
 

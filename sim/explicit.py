@@ -89,12 +89,8 @@ class Explicit(Marching):
         """Take every step in so many parts from now on; what sums over steps counts parts."""
         ratio, self.parts, self.calm = parts / self.parts, parts, 0
         self.finest = max(self.finest, parts)
-        for sums in (
-            None if self.effects.tines is None else self.effects.tines.load,
-            None if self.effects.driven is None else self.effects.driven.reaction,
-        ):
-            if sums is not None:
-                sums *= ratio
+        for total in self.sums().values():
+            total *= ratio
         rebuild(self)
 
 

@@ -3,7 +3,8 @@
     run.nc.part/
         about.json      scene, solver, time step, windows, columns of the samples
         samples.f64     a row for every sampling window, raw float64
-        snapshots.f64   a row for every snapshot: time, displacement, x y z of every node
+        snapshots.f64   a row for every snapshot: time, displacement, x y z of every node, and the
+                        directors of every element if they are asked for
         checkpoint.npz  all that the march held at the end of some window
         lock            held by the process that writes
 
@@ -42,7 +43,7 @@ def part_of(path: Path) -> Path:
 
 
 class Recorded(NamedTuple):
-    """What a journal holds: its about.json, samples (m, columns), snapshots (k, 2 + 3 nodes).
+    """What a journal holds: its about.json, samples (m, values), snapshots (k, values).
 
     The arrays are maps of the files.
     """
@@ -62,7 +63,7 @@ def read(folder: Path) -> Recorded:
     """
     try:
         about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
-        tables = {name: _table(folder / name, width) for name, width in _widths(about).items()}
+        tables = {name: _table(folder / name, width) for name, width in widths(about).items()}
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise SceneError(
             f"{folder / ABOUT}: not an unfinished run of `combing simulate`: {error}"
@@ -70,9 +71,14 @@ def read(folder: Path) -> Recorded:
     return Recorded(about, tables[SAMPLES], tables[SNAPSHOTS])
 
 
-def _widths(about: dict[str, Any]) -> dict[str, int]:
+def widths(about: dict[str, Any]) -> dict[str, int]:
     """Return the number of values in a row of each table."""
-    return {SAMPLES: len(about["samples"]), SNAPSHOTS: 2 + 3 * sum(about["strands"])}
+    nodes, frames = sum(about["strands"]), about.get("frames", False)
+    elements = nodes - len(about["strands"])
+    return {
+        SAMPLES: sum(3 * of["count"] if "of" in of else 1 for of in about["samples"].values()),
+        SNAPSHOTS: 2 + 3 * nodes + 9 * elements * frames,
+    }
 
 
 def _table(path: Path, width: int) -> NDArray[np.float64]:
@@ -102,7 +108,7 @@ def _checkpoint(folder: Path, about: dict[str, Any]) -> Arrays:
         raise damaged(path, f"not a whole checkpoint: {error or type(error).__name__}") from None
     if counted.pop(RUN) != (_identity(about),):
         raise damaged(path, "the checkpoint of another run")
-    for name, width in _widths(about).items():
+    for name, width in widths(about).items():
         rows, checksum = counted[name]
         there = (folder / name).stat().st_size if (folder / name).exists() else 0
         if there < VALUE * width * rows:
@@ -178,7 +184,7 @@ class Journal:
             raise
         self.amend()
         self._checksums: dict[str, int] = {}
-        self._tables = {name: self._open(name, width) for name, width in _widths(about).items()}
+        self._tables = {name: self._open(name, width) for name, width in widths(about).items()}
 
     def amend(self, **attributes: float | str) -> None:
         """Write about.json, with more of what the run says of itself."""
@@ -198,7 +204,7 @@ class Journal:
         self._append(SAMPLES, np.array(row))
 
     def snapshot(self, row: NDArray[np.float64]) -> None:
-        """Append the strands at one instant, (2 + 3 nodes,)."""
+        """Append the strands at one instant, see `observers.snapshot`."""
         self._append(SNAPSHOTS, row)
 
     def _append(self, name: str, row: NDArray[np.float64]) -> None:
@@ -214,7 +220,7 @@ class Journal:
     def save(self, frozen: Arrays) -> None:
         """Write the checkpoint that belongs to what has been appended so far."""
         rows = {WALL_TIME: np.array(self.wall_time()), RUN: np.array([_identity(self.about)])}
-        for name, width in _widths(self.about).items():
+        for name, width in widths(self.about).items():
             file = self._tables[name].fileno()
             os.fsync(file)
             count = os.fstat(file).st_size // (VALUE * max(width, 1))

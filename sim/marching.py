@@ -98,11 +98,25 @@ class Marching:
 
     def take_load(self) -> np.ndarray:
         """Return the force on each tine [N] summed over steps `dt`, (m, 3), and start a new sum."""
-        if self.tines is None:
-            return np.zeros((0, 3))
-        load = self.tines.load / self.parts
-        self.tines.load[:] = 0
-        return load
+        return self.take("tines") if self.tines is not None else np.zeros((0, 3))
+
+    def take(self, name: str) -> np.ndarray:
+        """Return one of `sums` over steps `dt`, and start a new sum."""
+        total = self.sums()[name]
+        found = total / self.parts
+        total[:] = 0
+        return found
+
+    def sums(self) -> dict[str, np.ndarray]:
+        """Return what is summed over the parts of steps: forces on tines, strands and holders."""
+        tines, held, driven = self.tines, self.effects.held, self.effects.driven
+        found = {
+            "tines": None if tines is None else tines.load,
+            "strands": None if tines is None else tines.strands,
+            "held": None if held is None else held.net,
+            "driven": None if driven is None else driven.reaction,
+        }
+        return {name: total for name, total in found.items() if total is not None}
 
 
 def begin(scene: Scene, dt: float | None = None) -> Marching:

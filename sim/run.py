@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -54,6 +54,22 @@ class Run:
         positions = np.asarray(self.data["position"][snapshot])
         rod = np.asarray(self.data["rod"])
         return [positions[rod == number] for number in range(int(rod.max()) + 1)]
+
+    def frames(self, snapshot: int = -1) -> list[np.ndarray]:
+        """Return the directors of every rod's elements in a snapshot, (n - 1, 3, 3): d1, d2, d3.
+
+        Raises
+        ------
+        SceneError
+            The scene did not ask for them.
+        """
+        if "directors" not in self.data:
+            raise SceneError(
+                f"{self.data.attrs['title']}: no frames in this run; ask for output.frames = true"
+            )
+        directors = np.asarray(self.data["directors"][snapshot])
+        _, nodes = np.unique(np.asarray(self.data["rod"]), return_counts=True)
+        return np.split(directors, np.cumsum(nodes - 1)[:-1])
 
     def force_log(self) -> pd.DataFrame:
         """Return `time` [s], `displacement` [m] and `force` [N] on the tine, as an export gives it.
@@ -156,7 +172,8 @@ def dataset(recorded: journal.Recorded) -> xarray.Dataset:
 
     about, samples, snapshots = recorded
     scene = about["scene"]
-    positions = snapshots[:, 2:].reshape(len(snapshots), -1, 3)
+    nodes = sum(about["strands"])
+    positions = snapshots[:, 2 : 2 + 3 * nodes].reshape(len(snapshots), -1, 3)
     rod = np.repeat(np.arange(len(about["strands"])), about["strands"])
     variables = {
         "position": (("snapshot", "node", "axis"), positions, {"units": "m"}),
@@ -165,7 +182,38 @@ def dataset(recorded: journal.Recorded) -> xarray.Dataset:
         "rod": ("node", rod, {"long_name": "rod that the node belongs to"}),
         "radius": ("strand", [rod["radius"] for rod in scene["rods"]], {"units": "m"}),
     }
-    for number, (name, attributes) in enumerate(about["samples"].items()):
-        variables[name] = ("sample", samples[:, number], attributes)
+    if about.get("frames"):
+        directors = snapshots[:, 2 + 3 * nodes :].reshape(len(snapshots), -1, 3, 3)
+        axes = ("snapshot", "element", "director", "axis")
+        variables["directors"] = (axes, directors, {"long_name": "d1, d2, d3 of every element"})
+    variables |= _sampled(about["samples"], samples)
+    coords: dict[str, Any] = {"axis": ["x", "y", "z"]}
+    if "reaction_force" in variables:
+        coords["end"] = _held_ends(scene)
     attributes = about["attributes"] | {"scene": json.dumps(scene)}
-    return xarray.Dataset(variables, coords={"axis": ["x", "y", "z"]}, attrs=attributes)
+    return xarray.Dataset(variables, coords=coords, attrs=attributes)
+
+
+def _sampled(columns: dict[str, Any], samples: np.ndarray) -> dict[str, Any]:
+    """Return every column of the samples, (sample,), or (sample, body, axis) if it is of bodies."""
+    found: dict[str, Any] = {}
+    first = 0
+    for name, column in columns.items():
+        about = {key: value for key, value in column.items() if key not in ("of", "count")}
+        if "of" not in column:
+            found[name], first = ("sample", samples[:, first], about), first + 1
+            continue
+        past = first + 3 * column["count"]
+        vectors = samples[:, first:past].reshape(len(samples), column["count"], 3)
+        found[name], first = (("sample", column["of"], "axis"), vectors, about), past
+    return found
+
+
+def _held_ends(scene: dict[str, Any]) -> list[str]:
+    """Return the names of all held ends in the order in which reactions are recorded."""
+    return [
+        f"{number} {end}"
+        for number, rod in enumerate(scene["rods"])
+        for end in ("root", "tip")
+        if rod[end]["hold"] != "free"
+    ]

@@ -263,12 +263,16 @@ class Output(Part):
     """What is recorded: force samples per second (each a mean over its window), snapshots.
 
     With `energy` also the ledger: what is stored, put in and lost, once a sample; steps then
-    evaluate the contact twice and more.
+    evaluate the contact twice and more. With `forces` the vector force on each tine and of the
+    tines on each strand, and the reaction at each held end, once a sample; with `frames` the
+    directors of every element, once a snapshot.
     """
 
     sample_rate: Positive = 1000.0
     snapshots: Annotated[int, Field(ge=1)] = 64
     energy: bool = False
+    forces: bool = False
+    frames: bool = False
 
 
 class Scene(Part):
@@ -288,6 +292,16 @@ class Scene(Part):
     safety: Annotated[float, Field(gt=0, le=1)] = 0.75
     output: Output = Output()
     seed: int = 0
+
+    @model_validator(mode="after")
+    def _forces_need_a_body(self) -> Scene:
+        held = any(end.hold != "free" for rod in self.rods for end in (rod.root, rod.tip))
+        if self.output.forces and not self.tines and not held:
+            raise ValueError(
+                "output.forces = true: no tine and no held end to record forces of; add one or "
+                "leave it out"
+            )
+        return self
 
     @model_validator(mode="after")
     def _friction_needs_contact(self) -> Scene:

@@ -67,6 +67,11 @@ class State:
         positions = self.rows("X0 X1 X2").T
         return [positions[self.nodes(rod)].copy() for rod in range(len(self.first))]
 
+    def frames(self) -> list[Array]:
+        """Return the directors of every rod's elements, (n - 1, 3, 3), rows d1, d2, d3."""
+        directors = self.rows("Q00 Q01 Q02 Q10 Q11 Q12 Q20 Q21 Q22").T.reshape(-1, 3, 3)
+        return [directors[self.nodes(rod)][:-1] for rod in range(len(self.first))]
+
     def rod_of_element(self) -> NDArray[np.int32]:
         """Return the rod that every element belongs to, -1 for ghosts."""
         rod = np.full(self.n, -1, np.int32)

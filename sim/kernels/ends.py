@@ -6,7 +6,7 @@ import numpy as np
 
 from sim.kernels.compiled import formula, kernel
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.vectors import along, at, cross, dot, minus, point, push, put, to_body
+from sim.kernels.vectors import along, at, cross, dot, minus, point, push, put, to_body, to_lab
 
 
 class Driven(NamedTuple):
@@ -24,6 +24,19 @@ class Driven(NamedTuple):
     slide: np.ndarray
     work: np.ndarray
     reaction: np.ndarray
+
+
+class Held(NamedTuple):
+    """Held ends whose reactions are asked for.
+
+    `node`, `ghost` (m,) and `slide` (m, 3) as those of `Driven`. `net` (m, 6): sum over steps of
+    the force [N] and of the moment [N m], about the node, that the rod puts on its holder.
+    """
+
+    node: np.ndarray
+    ghost: np.ndarray
+    slide: np.ndarray
+    net: np.ndarray
 
 
 class Pulled(NamedTuple):
@@ -82,6 +95,34 @@ def part_along(vector, unit):
     return (size * unit[0], size * unit[1], size * unit[2])
 
 
+@formula
+def on_holder(buf, i, slide):
+    """Return the force on node i that its holder takes: all of it but what is along a slide."""
+    inside = minus(at(buf, N0, N1, N2, i), at(buf, N0, N1, N2, i - 1))
+    force = along(at(buf, F0, F1, F2, i), 1.0, inside)
+    return minus(force, part_along(force, slide))
+
+
+@formula
+def on_clamp(buf, i, ghost):
+    """Return the couple that the vertex at node i puts on the frame of its clamp, in that frame."""
+    return at(buf, L0, L1, L2, i) if ghost < i else at(buf, R0, R1, R2, i)
+
+
+@kernel
+def weigh_holders(buf, held):
+    """Add up what the rods put on their holders, in the lab frame."""
+    for m in range(held.node.size):
+        i, ghost = held.node[m], held.ghost[m]
+        force = on_holder(buf, i, point(held.slide, m))
+        for k in range(3):
+            held.net[m, k] += force[k]
+        if ghost >= 0:
+            couple = to_lab(buf, ghost, on_clamp(buf, i, ghost))
+            for k in range(3):
+                held.net[m, 3 + k] += couple[k]
+
+
 @kernel
 def react(buf, driven, dt):
     """Add up what the rods put on their driven ends: force, and power times dt.
@@ -90,16 +131,14 @@ def react(buf, driven, dt):
     """
     for m in range(driven.node.size):
         i, ghost = driven.node[m], driven.ghost[m]
-        inside = minus(at(buf, N0, N1, N2, i), at(buf, N0, N1, N2, i - 1))
-        force = along(at(buf, F0, F1, F2, i), 1.0, inside)
-        force = minus(force, part_along(force, point(driven.slide, m)))
+        force = on_holder(buf, i, point(driven.slide, m))
         for k in range(3):
             driven.reaction[m, k] += force[k]
         if buf[INV_MASS + i] > 0.0:
             push(buf, F0, F1, F2, i, force, -1.0)
         driven.work[0] -= dt * dot(force, at(buf, V0, V1, V2, i))
         if ghost >= 0:
-            couple = at(buf, L0, L1, L2, i) if ghost < i else at(buf, R0, R1, R2, i)
+            couple = on_clamp(buf, i, ghost)
             driven.work[0] -= dt * dot(couple, at(buf, W0, W1, W2, ghost))
 
 

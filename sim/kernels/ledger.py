@@ -60,7 +60,7 @@ def without_records(tines):
     if tines is not None:
         return Tines(
             tines.stiffness, tines.geometry, tines.motion, tines.now,
-            np.zeros_like(tines.load), np.zeros(1), tines.slip, nil(tines.viscous),
+            np.zeros_like(tines.load), np.zeros(1), tines.slip, nil(tines.viscous), None, None,
         )  # fmt: skip
     return None
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.kernels.compiled import kernel
 from sim.kernels.contact import Contact, Friction
-from sim.kernels.ends import Driven, Pulled, drive, pull, react
+from sim.kernels.ends import Driven, Held, Pulled, drive, pull, react, weigh_holders
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.ledger import Ledger, kick_and_book, touch_and_book
 from sim.kernels.neighbours import moved_far
@@ -56,6 +56,7 @@ class Effects(NamedTuple):
     driven: Driven | None = None
     pulled: Pulled | None = None
     ledger: Ledger | None = None
+    held: Held | None = None
 
 
 @kernel
@@ -116,8 +117,10 @@ def lead(buf, driven, time):
 
 
 @kernel
-def record(buf, driven, dt):
-    """Add up the reactions of the ends with a prescribed motion, if there are any."""
+def record(buf, driven, held, dt):
+    """Add up the reactions of held ends that are asked for or that work, if there are any."""
+    if held is not None:
+        weigh_holders(buf, held)
     if driven is not None:
         react(buf, driven, dt)
 
@@ -199,7 +202,7 @@ def march(buf, n, time, dt, steps, limits, effects):
     """
     (
         keep, viscous, gravity, contact, friction, tines, tine_friction, planes, plane_friction,
-        driven, pulled, ledger,
+        driven, pulled, ledger, held,
     ) = effects  # fmt: skip
     middle, step = time + 0.5 * dt, 0
     lead(buf, driven, middle)
@@ -208,7 +211,7 @@ def march(buf, n, time, dt, steps, limits, effects):
         wound = body_loads(buf, n, middle, dt, viscous, gravity, pulled)
         touch(buf, n, middle, dt, contact, friction, tines, tine_friction, ledger)
         bear(buf, n, dt, planes, plane_friction, ledger)
-        record(buf, driven, dt)
+        record(buf, driven, held, dt)
         speed_up(buf, n, dt, keep, viscous, ledger)
         lead(buf, driven, middle)  # drag has slowed them too
         step += 1

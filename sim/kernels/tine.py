@@ -27,6 +27,8 @@ class Tines(NamedTuple):
     [m/s], radius [m], midpoint [m], rate of the radius [m/s]; filled every step. `load` (m, 3):
     sum over steps of the force on the tine [N]. `work` (1,): done by all tines so far [J].
     `slip` (m, n, 3): see friction. `viscous`: Kelvin-Voigt time of the contact [s], or None.
+    `strands` (rods, 3): sum over steps of the force of all tines on each rod [N], `rod` (n,): the
+    rod of every element; both None where they are not asked for.
     """
 
     stiffness: float
@@ -37,6 +39,8 @@ class Tines(NamedTuple):
     work: np.ndarray
     slip: np.ndarray
     viscous: float | None
+    strands: np.ndarray | None = None
+    rod: np.ndarray | None = None
 
 
 @kernel
@@ -217,6 +221,15 @@ def one_tine(buf, a, m, dt, tines, friction):
         force = along(force, 1.0, f)
     for k in range(3):
         tines.load[m, k] -= force[k]
+    credit(tines.strands, tines.rod, a, force)
+
+
+@kernel
+def credit(strands, rod, a, force):
+    """Add the force on element a to that on its strand, if that is asked for."""
+    if strands is not None:
+        for k in range(3):
+            strands[rod[a], k] += force[k]
 
 
 @kernel

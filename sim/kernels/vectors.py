@@ -65,11 +65,16 @@ def to_body(buf, i, a):
 
 
 @formula
-def spin(buf, i):
-    """Return the angular velocity of element i in the lab frame, Q_i^T w_i."""
-    w = at(buf, W0, W1, W2, i)
+def to_lab(buf, i, a):
+    """Return Q_i^T a, the lab components of a vector in the body frame of element i."""
     return (
-        buf[Q00 + i] * w[0] + buf[Q10 + i] * w[1] + buf[Q20 + i] * w[2],
-        buf[Q01 + i] * w[0] + buf[Q11 + i] * w[1] + buf[Q21 + i] * w[2],
-        buf[Q02 + i] * w[0] + buf[Q12 + i] * w[1] + buf[Q22 + i] * w[2],
+        buf[Q00 + i] * a[0] + buf[Q10 + i] * a[1] + buf[Q20 + i] * a[2],
+        buf[Q01 + i] * a[0] + buf[Q11 + i] * a[1] + buf[Q21 + i] * a[2],
+        buf[Q02 + i] * a[0] + buf[Q12 + i] * a[1] + buf[Q22 + i] * a[2],
     )
+
+
+@formula
+def spin(buf, i):
+    """Return the angular velocity of element i in the lab frame."""
+    return to_lab(buf, i, at(buf, W0, W1, W2, i))

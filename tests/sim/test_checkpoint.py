@@ -247,7 +247,7 @@ def everything():
         gravity=(0.0, 0.0, -9.81),
         planes=[WALL],
         damping=Damping(drag=1.0, material=1e-6),
-        output=Output(energy=True),
+        output=Output(energy=True, forces=True, frames=True),
     )
 
 
@@ -268,6 +268,8 @@ ALONE = {
     "motion": {"rods": [everything().rods[0]]},
     "load": {"rods": [everything().rods[1]]},
     "energy": {"output": Output(energy=True)},
+    "reactions": {"output": Output(forces=True)},
+    "forces": {"tines": scene().tines, "output": Output(forces=True)},
 }
 MATRIX = {name: scene(**BARE | effect) for name, effect in ALONE.items()}
 

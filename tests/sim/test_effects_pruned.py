@@ -28,7 +28,8 @@ for name, module in sorted(sys.modules.items()):
 """
 EFFECTS = {  # a kernel of each effect
     "weigh", "contact_forces", "wedges", "press_run", "rub_run", "tine_forces", "place", "drive",
-    "react", "plane_forces", "pull", "kick_and_book", "strain_rate", "turning_rate", "moved_far",
+    "react", "credit", "weigh_holders", "plane_forces", "pull", "kick_and_book", "strain_rate",
+    "turning_rate", "moved_far",
 }  # fmt: skip
 
 
