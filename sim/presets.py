@@ -35,7 +35,14 @@ def material_time(r: float, E: float, density: float) -> float:
     return 0.1 * r * math.sqrt(3 * density / E)
 
 
-class DoubleHelix(Part):
+class Preset(Part):
+    """What every preset may be asked to record, see `Output`."""
+
+    forces: bool = False
+    frames: bool = False
+
+
+class DoubleHelix(Preset):
     """Two helical strands, stress-free as drawn, clamped at the top, and a tine.
 
     `pi1` = P/r, `pi2` = R/r, `pi3` = t/r; right-handed unless `handedness` says "left". Give
@@ -113,6 +120,8 @@ class DoubleHelix(Part):
             output=Output(
                 sample_rate=self.samples_per_pitch * self.speed / self.pitch,
                 snapshots=self.snapshots,
+                forces=self.forces,
+                frames=self.frames,
             ),
             seed=self.seed,
         )
@@ -154,7 +163,7 @@ class DoubleHelix(Part):
         )
 
 
-class Curl(Part):
+class Curl(Preset):
     """`n` hairs clamped side by side, curved by nature, that hang and relax under gravity.
 
     `curvature` [1/m] is the standard deviation of the intrinsic curvature (10 straight, 40 wavy,
@@ -195,7 +204,10 @@ class Curl(Part):
             ),
             rotary_inertia="element",
             output=Output(
-                sample_rate=max(100.0, 2 * self.snapshots / self.duration), snapshots=self.snapshots
+                sample_rate=max(100.0, 2 * self.snapshots / self.duration),
+                snapshots=self.snapshots,
+                forces=self.forces,
+                frames=self.frames,
             ),
             seed=self.seed,
         )

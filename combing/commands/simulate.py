@@ -64,10 +64,11 @@ def command(
                     pi1 = P/r, pi2 = R/r, pi3 = t/r, handedness, r, height or turns,
                     q (pitches below the tine), friction, speed, insertion, E, nu, density,
                     elements_per_pitch, imperfection, samples_per_pitch,
-                    snapshots, seed
+                    snapshots, seed, forces, frames
       curl          n hairs that hang and relax, no tine:
                     n, length, r, curvature, correlation, spread, friction,
-                    E, nu, density, elements, duration, snapshots, seed
+                    E, nu, density, elements, duration, snapshots, seed,
+                    forces, frames
 
     \b
     Written into the output folder:

@@ -96,3 +96,11 @@ def test_a_left_handed_helix_is_combed_as_the_mirror_image_of_a_right_handed_one
     force = right.force_log().force
     np.testing.assert_allclose(left.force_log().force, force, atol=1e-3 * abs(force).max())
     assert abs(force).max() > 1e-5
+
+
+@pytest.mark.parametrize("preset", [sim.double_helix, sim.curl])
+def test_presets_record_forces_and_frames_when_asked(preset):
+    assert not (preset().output.forces or preset().output.frames)
+    output = preset(forces=True, frames=True).output
+    assert output.forces
+    assert output.frames
