@@ -68,7 +68,8 @@ class Points(Part):
 class RandomCurvature(Part):
     """Intrinsic curvature drawn at random: sd [1/m] of each component, correlation length [m].
 
-    ``correlation = 0`` draws every vertex on its own, as the paper does; that depends on the mesh.
+    A process of arclength: the same seed is the same hair on every mesh. ``correlation = 0`` draws
+    every node on its own, as the paper does; that depends on the mesh.
     """
 
     sd: NotNegative

@@ -6,6 +6,8 @@ from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
+KNOTS = 16  # of a random curvature to a correlation length
+
 
 def straight(root: Array, direction: Array, length: float, elements: int) -> Array:
     """Return the (elements + 1, 3) nodes [m] of a straight rod."""
@@ -89,26 +91,41 @@ def curvature(directors: Array, voronoi: Array) -> Array:
 def random_curvature(
     lengths: Array, sd: float, correlation: float, *, rng: np.random.Generator
 ) -> Array:
-    """Draw (n, 2) intrinsic curvatures about d1 and d2 [1/m] along a rod.
+    """Draw (n + 1, 2) intrinsic curvatures about d1 and d2 [1/m] for the nodes of a rod.
 
-    A stationary Gaussian process with correlation exp(-|s|/correlation), whose statistics do not
-    depend on the mesh (Ornstein-Uhlenbeck, exact update). With ``correlation=0`` every vertex is
-    drawn on its own, as in the paper; that draw depends on the mesh.
+    A stationary Gaussian process of arclength with correlation exp(-|s|/correlation), drawn at
+    `KNOTS` to a correlation length from the root on (Ornstein-Uhlenbeck, exact update) and linear
+    between them. A node has its mean over the part of the rod that is nearest, half an element at
+    the ends: the same draws are the same hair on every mesh. With ``correlation=0`` every inner
+    node is drawn on its own, as in the paper; that is another hair on another mesh.
 
     Parameters
     ----------
     lengths : (n,)
-        Voronoi lengths [m].
+        Lengths of the elements [m].
     sd : float
-        Standard deviation of each component [1/m].
+        Standard deviation of each component, over the whole process [1/m].
     correlation : float
         Correlation length [m].
     rng : numpy.random.Generator
     """
-    draws = rng.standard_normal((len(lengths), 2))
     if correlation == 0:
-        return sd * draws
-    keep = np.exp(-lengths / correlation)
+        inner = sd * rng.standard_normal((len(lengths) - 1, 2))
+        return np.concatenate([np.zeros((1, 2)), inner, np.zeros((1, 2))])
+    ends = np.concatenate([[0.0], np.cumsum(lengths)])
+    parts = np.concatenate([[0.0], 0.5 * (ends[1:] + ends[:-1]), ends[-1:]])
+    knots = np.arange(int(np.ceil(KNOTS * ends[-1] / correlation)) + 2) * correlation / KNOTS
+    keep = np.exp(-1 / KNOTS)
+    draws = rng.standard_normal((len(knots), 2))
     for i in range(1, len(draws)):
-        draws[i] = keep[i] * draws[i - 1] + np.sqrt(1 - keep[i] ** 2) * draws[i]
-    return sd * draws
+        draws[i] = keep * draws[i - 1] + np.sqrt(1 - keep**2) * draws[i]
+    # Between knots the variance sags: (2 + keep)/3 of theirs is its mean.
+    turned = sd / np.sqrt((2 + keep) / 3) * np.stack([_integral(parts, knots, x) for x in draws.T])
+    return (np.diff(turned) / np.diff(parts)).T
+
+
+def _integral(at: Array, knots: Array, values: Array) -> Array:
+    """Return the integral, from the first of evenly spaced knots, of what is linear between them."""
+    before = np.concatenate([[0.0], np.cumsum(np.diff(knots) * (values[1:] + values[:-1]) / 2)])
+    k = np.minimum((at / knots[1]).astype(int), len(knots) - 2)
+    return before[k] + (at - knots[k]) * (values[k] + np.interp(at, knots, values)) / 2

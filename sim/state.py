@@ -232,12 +232,14 @@ def _fill_vertices(
     rest = (
         shapes.curvature(directors, voronoi) if rod.rest == "drawn" else np.zeros((len(voronoi), 3))
     )
-    if rod.curvature is not None:
-        rest[:, :2] += shapes.random_curvature(
-            voronoi, rod.curvature.sd, rod.curvature.correlation, rng=rng
-        )
     for axis in range(3):
         state.row(f"K{axis}")[inner] = rest[:, axis]
+    if rod.curvature is not None:
+        drawn = shapes.random_curvature(
+            lengths, rod.curvature.sd, rod.curvature.correlation, rng=rng
+        )
+        for axis in range(2):
+            state.row(f"K{axis}")[at] += drawn[:, axis]
 
 
 def _hold(

@@ -65,7 +65,7 @@ def test_imperfection_is_the_share_of_the_helix_own_curvature(size):
     kappa = np.linalg.norm(np.cross(speed, bend)) / np.linalg.norm(speed) ** 3
     assert rod.curvature.sd == pytest.approx(size * kappa, rel=1e-9)
     assert rod.curvature.correlation == pytest.approx(18 * R)
-    lengths = np.full(20000, 0.1 * rod.curvature.correlation)
+    lengths = np.full(200000, 0.01 * rod.curvature.correlation)
     drawn = random_curvature(
         lengths, rod.curvature.sd, rod.curvature.correlation, rng=np.random.default_rng(1)
     )

@@ -118,14 +118,39 @@ def test_the_resting_double_helix_rests_the_better_the_finer_its_mesh():
 
 def test_random_curvature_has_the_asked_spread_and_correlation_on_any_mesh(rng):
     for step in (2e-3, 1e-3):
-        lengths = np.full(200_000, step)
-        draw = random_curvature(lengths, 40.0, 0.01, rng=rng)
-        assert draw.std() == pytest.approx(40, rel=0.02)
+        draw = random_curvature(np.full(200_000, step), 40.0, 0.01, rng=rng)[1:-1]
+        a = step / 0.01  # means over a correlation lengths of exp(-|s|): a double integral
+        spread = 40 * np.sqrt(2 * (a - 1 + np.exp(-a))) / a
+        assert draw.std() == pytest.approx(spread, rel=0.02)
         lag = round(0.01 / step)
-        found = np.mean(draw[lag:] * draw[:-lag]) / draw.var()
-        assert found == pytest.approx(np.exp(-1), abs=0.02)
-    per_node = random_curvature(np.full(100_000, 1e-3), 40.0, 0.0, rng=rng)
+        found = np.mean(draw[lag:] * draw[:-lag]) / 40**2
+        assert found == pytest.approx(np.exp(-1) * 2 * (np.cosh(a) - 1) / a**2, abs=0.02)
+    per_node = random_curvature(np.full(100_001, 1e-3), 40.0, 0.0, rng=rng)[1:-1]
+    assert per_node.std() == pytest.approx(40, rel=0.02)
     assert abs(np.mean(per_node[1:] * per_node[:-1])) / per_node.var() < 0.02
+
+
+def drawn(lengths):
+    return random_curvature(np.array(lengths), 40.0, 0.01, rng=np.random.default_rng(5))
+
+
+def test_the_same_seed_is_the_same_hair_on_every_mesh():
+    """What a node turns by is what all nodes of a finer mesh turn by that lie in its part."""
+    coarse, fine = drawn([6e-3] * 20), drawn([2e-3] * 60)
+    np.testing.assert_allclose(6e-3 * coarse[1:-1], 2e-3 * _triples(fine[2:-2]), rtol=1e-12)
+    np.testing.assert_allclose(3e-3 * coarse[0], 1e-3 * fine[0] + 2e-3 * fine[1], rtol=1e-12)
+    unlike = np.array([0.5e-3, 1e-3, 4e-3, 2e-3] * 16)
+    parts = 0.5 * (np.append(unlike, 0) + np.insert(unlike, 0, 0))
+    whole = 2e-3 * fine[1:-1].sum(axis=0) + 1e-3 * (fine[0] + fine[-1])
+    np.testing.assert_allclose(parts @ drawn(unlike), whole, rtol=1e-12)
+
+
+def _triples(values):
+    return values.reshape(-1, 3, 2).sum(axis=1)
+
+
+def test_a_longer_hair_is_the_same_as_far_as_the_shorter_goes():
+    np.testing.assert_array_equal(drawn([1e-3] * 80)[:60], drawn([1e-3] * 100)[:60])
 
 
 def test_curl_has_roots_apart_and_every_hair_its_own_curvature():
