@@ -125,7 +125,7 @@ def random_curvature(
 
 
 def _integral(at: Array, knots: Array, values: Array) -> Array:
-    """Return the integral, from the first of evenly spaced knots, of what is linear between them."""
+    """Return the integral from the first of evenly spaced knots of what is linear between."""
     before = np.concatenate([[0.0], np.cumsum(np.diff(knots) * (values[1:] + values[:-1]) / 2)])
     k = np.minimum((at / knots[1]).astype(int), len(knots) - 2)
     return before[k] + (at - knots[k]) * (values[k] + np.interp(at, knots, values)) / 2
