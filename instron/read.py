@@ -39,6 +39,7 @@ from instron.tables.layout import (
 from instron.tables.lines import END_MARK, LOST, Ledger, ledger, lost_lines
 from instron.tables.nolog import why_no_log
 from instron.tables.preamble import labels_above, metadata, specimen_label, stated_maxima
+from instron.tables.results import logs_only, no_lists
 
 USUAL_UNITS = {"time": "s", "displacement": "mm", "force": "N"}
 ONE_TEST = "MTS793|"  # a format that keeps the buffers of one test in one file
@@ -138,7 +139,7 @@ def _of_sheet(log: pd.DataFrame, path: Path, sheet: Sheet, alike: int) -> pd.Dat
 def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list[pd.DataFrame]:
     delimiter, header = _find(source, told, bare)
     bodies = read_bodies(source, header, delimiter, told)
-    taken = _logs_only(bodies)
+    taken = logs_only(bodies if told.columns or bare else no_lists(source, bodies, delimiter))
     logs = joined(taken, source.head[0].startswith(ONE_TEST))
     _refuse_questions(source, logs)
     logs = by_label(source, logs, delimiter)
@@ -223,12 +224,6 @@ def _told(lines: list[str], delimiter: str, columns: Sequence[str]) -> Header | 
             names = [*columns, *[""] * (len(cells) - len(columns))]
             return Header(number - 1, number, len(cells), names, [specimen], [])
     return None
-
-
-def _logs_only(bodies: list[Body]) -> list[Body]:
-    """Leave out results: tables of a row or two, or without time, where others are longer."""
-    long = [b for b in bodies if len(b.lines) > 2] or bodies
-    return [b for b in long if all("time" in s for s in b.header.specimens)] or long
 
 
 def _table(

@@ -57,8 +57,12 @@ class Sample:
     """The rows below a header, as far as they are at hand."""
 
     def __init__(self, lines: Sequence[str], split: Callable[[str], list[str]]) -> None:
-        self._lines, self._split = lines, split
-        self.rows = [split(line) for line in lines[:FIRST]]
+        rows = [split(line) for line in lines[:FIRST]]
+        numbers = [sum(map(looks_numeric, row)) for row in rows]
+        # Words end the rows: the head of the next block says nothing of this one's columns.
+        stop = next((i for i, n in enumerate(numbers) if any(rows[i]) and 2 * n < numbers[0]), None)
+        self._lines, self._split = lines[:stop], split
+        self.rows = rows[:stop]
 
     def _column(self, index: int, rows: Sequence[Sequence[str]]) -> list[str]:
         return [row[index].strip() if index < len(row) else "" for row in rows]

@@ -94,6 +94,7 @@ OTHER_THINGS = word_set(
     " bruchkraft hochstkraft fmax noise offset zero deriv derivative acceleration frequency"
     " amplitude geschw tensao deformacion-unitaria sforzo tension-unitaria gerilme napeti"
     " temperatur temp humidity power current index image frame diameter radius height"
+    " failure ultimate fracture gain sensitivity calibration capacity"
     " gap size durchmesser breite dicke diametre epaisseur largeur diametro spessore"
 )
 OTHER_PIECES = ("应变", "应力", "速度", "歪", "応力", "ひずみ", "最大", "強度", "强度", "率",

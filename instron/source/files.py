@@ -260,7 +260,16 @@ def _spells(start: bytes, encoding: str) -> bool:
     text = start.decode(encoding, errors="ignore")[:20000]
     if encoding in TELLING:
         return not TELLING[encoding].isdisjoint(re.findall(r"[^\W\d_]+", text.casefold()))
-    # A lone 力 also comes about by chance; two quantities do not.
+    # A lone 力 also comes about by chance; two quantities, or one without a wrong byte, do not.
     text = plain(text)
     found = [any(plain(p) in text for p in PIECES[q] if len(p) > 1) for q in PIECES]
-    return sum(found) >= 2
+    return sum(found) >= (1 if _decodes(start, encoding) else 2)
+
+
+def _decodes(start: bytes, encoding: str) -> bool:
+    """Tell whether all bytes are letters of an encoding, but for one that the end may cut."""
+    try:
+        codecs.getincrementaldecoder(encoding)().decode(start)
+    except UnicodeDecodeError:
+        return False
+    return True

@@ -1,4 +1,4 @@
-"""Tables of a file in which one header comes again and again: where their rows are, by bytes."""
+"""Blocks of rows: under one header that comes again and again, or after a mark without one."""
 
 import re
 from collections.abc import Sequence
@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from instron.headings.words import SPECIMEN, plain
 from instron.numbers.numerals import looks_numeric
 from instron.source.files import NEWLINE, RETURN, Source
-from instron.tables.layout import Header
+from instron.tables.layout import Header, is_row, split_cells
 
 # What starts a line that is no row: a word, or a bracket around one.
 WORDY = re.compile(r"[\s\"']*[^\W\d_]|[\s\"']*[(\[<#*]")
@@ -65,3 +66,17 @@ def is_other_heading(cells: Sequence[str], below: Sequence[str]) -> bool:
     named = {cell for cell in filled if re.search(r"[^\W\d_]{2}", cell)}
     rows = [cell for cell in below if cell]
     return 1 < len(named) == len(filled) == len(rows) and not any(map(looks_numeric, filled))
+
+
+def marks_above(source: Source, header: Header, delimiter: str) -> set[str]:
+    """Return how the lines right above a header begin, which may come again between its blocks."""
+    above = source.lines[max(0, header.line - 3) : header.line]
+    firsts = {split_cells(line, delimiter)[0] for line in above}
+    words = (cell for cell in firsts if re.search(r"[^\W\d_]{2}", cell))
+    return {cell for cell in words if SPECIMEN.isdisjoint(plain(cell).split())}
+
+
+def goes_on(source: Source, number: int, used: list[int], delimiter: str) -> bool:
+    """Tell whether rows follow a mark between two blocks at once."""
+    line = next((line for line in source.lines[number : number + 2] if line.strip()), "")
+    return is_row(split_cells(line, delimiter), used)

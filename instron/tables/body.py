@@ -8,6 +8,7 @@ by line, so that a refusal can name the line.
 import re
 import warnings
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,17 @@ from instron.numbers.bits import at, bits, pieces
 from instron.numbers.marks import QUOTE, TORN, marks_of
 from instron.numbers.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.source.files import Source, refuse_lone_returns
-from instron.tables.blocks import WORDY, is_other_heading, repeated_blocks
+from instron.tables.blocks import (
+    WORDY,
+    goes_on,
+    is_other_heading,
+    marks_above,
+    repeated_blocks,
+)
+from instron.tables.footer import ends_in_statistics, ends_rows, is_statistic
 from instron.tables.layout import Header, find_header, is_row, quotes_are_torn, split_cells
 
+BLANK = " \t,;|\"'"
 BLOCK_HEAD = 8  # lines from the end of a block's rows to the names of the next
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
 # Two quotes at a digit: an empty cell has marks on both sides, a doubled quote stands in words.
@@ -48,6 +57,7 @@ def read_bodies(source: Source, header: Header, delimiter: str, told: Told) -> l
     """Return the tables of a file: one per header that rows of numbers follow."""
     refuse_lone_returns(source, max(header.line, 0))
     whole = _last_line_is_whole(source, header, delimiter)
+    whole = whole and not ends_in_statistics(source, delimiter)
     if whole and not _words_within(source, header):
         start = source.offset(header.first_row)
         quick = _quick(source, start, header, delimiter, source.head[header.first_row])
@@ -59,6 +69,11 @@ def read_bodies(source: Source, header: Header, delimiter: str, told: Told) -> l
     bodies = []
     for block, rows, cut in _walk(source, header, delimiter, told):
         bodies.append(_exact(source, block, rows, delimiter))
+        gaps = (source.lines[a + 1 : b] for a, b in pairwise(rows) if b - a > 1)
+        marks = sum(any(line.strip(BLANK) for line in gap) for gap in gaps)
+        if marks:
+            note = f"{marks + 1} blocks without headings of their own read as one test"
+            bodies[-1].warnings.append(note)
         bodies[-1].above = bodies[-2].lines[-1] + 1 if len(bodies) > 1 else 0
         if cut is not None:
             bodies[-1].cut = cut
@@ -236,11 +251,12 @@ def _walk(
 
 def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], int, int | None]:
     """Return the lines of the rows under a header and the line at which they stop."""
-    lines, used, rows = source.lines, header.used(), []
-    width = header.first_unnamed()
+    lines, used = source.lines, header.used()
+    rows: list[int] = []
+    width, marks = header.first_unnamed(), marks_above(source, header, delimiter)
     for number in range(header.first_row, len(lines)):
         line = lines[number]
-        if not line.strip(" \t,;|\"'"):
+        if not line.strip(BLANK):
             continue
         cells = split_cells(line, delimiter)
         if _QUOTED_WITHIN.search(line):
@@ -248,13 +264,19 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
         torn = quotes_are_torn(line, delimiter) and (line.count('"') % 2 or is_row(cells, used))
         if torn and not _is_last_and_open(source, number):
             raise Unreadable(f"{source.path}: line {number + 1}: a quote is not closed")
-        if not torn and (_PLAIN_ROW.fullmatch(line) or is_row(cells, used)):
+        digits = _PLAIN_ROW.fullmatch(line)
+        if not digits and is_statistic(cells) and ends_rows(source, number, delimiter, used):
+            header.choices.append(f"line {number + 1}: '{line[:40]}' is a statistic, no row")
+            return rows, number, None
+        if not torn and (digits or is_row(cells, used)):
             if len(cells) > width and cells[width]:
                 _refuse_wide(source, number, len(cells), width)
             rows.append(number)
             continue
         if _is_last_and_open(source, number):
             break
+        if cells[0] in marks and goes_on(source, number + 1, used, delimiter):
+            continue
         if not _is_block_head(source, header, number, delimiter):
             _refuse_damaged(source, number, cells, used)
         return rows, number, None
@@ -310,6 +332,8 @@ def _next_header(
     end = following.line if following else len(source.lines)
     for number in range(stop, end):
         cells = split_cells(source.lines[number], delimiter)
+        if is_statistic(cells):
+            continue
         if number + 1 < end and is_other_heading(
             cells, split_cells(source.lines[number + 1], delimiter)
         ):

@@ -8,6 +8,7 @@ from instron.tables.body import Body
 from instron.tables.layout import Header
 
 LONGEST_PAUSE = 20  # samples between two blocks of one test
+SHORTEST = 2  # rows; a block of so few has no speed to go by
 
 
 def joined(bodies: list[Body], one_test: bool) -> list[Body]:
@@ -37,6 +38,9 @@ def _runs_on(before: Body, after: Body, one_test: bool) -> bool:
     """Tell whether a block goes on where the one before it ends."""
     last, specimen = before.parts[-1], before.header.specimens[0]
     x, y = (part.values[specimen["displacement"].index] for part in (last, after))
+    if "time" in specimen and max(len(x), len(y)) <= SHORTEST:
+        t, u = (part.values[specimen["time"].index] for part in (last, after))
+        return bool(t[-1] < u[0])  # a row or two is no test of its own
     step = np.abs(np.diff(x)).max(initial=0.0)
     near = bool(abs(y[0] - x[-1]) <= 3 * step + 0.005 * np.ptp(x))
     if "time" not in specimen:

@@ -7,12 +7,25 @@ from functools import partial
 from instron.headings.columns import Sample, Specimen, Told, choose, from_units_alone, might_be
 from instron.headings.grammar import read_heading
 from instron.headings.units import is_unit
+from instron.headings.words import plain, word_set
 from instron.numbers.numerals import looks_numeric
 
 LONGEST_HEADER = 20_000  # characters; names of a hundred specimens side by side need 10 000
 LONGEST_CELL = 20  # lines that a header with line breaks in its cells may have
 SAMPLE = 2000  # rows by whose contents columns are told apart
 COMMENTS = 2  # lines of words that may stand between a header and its first row
+DESCRIBED = 8  # lines that may describe the channels between a header and its first row
+ABOVE = 12  # lines above a header among which one may state the units
+BESIDE = 5  # first rows that all fill a column without a name: somebody's own
+UNIT_LABELS = {"unit", "units", "y unit label", "einheit", "einheiten", "unite", "unites",
+               "unidad", "unidades", "単位", "单位", "單位", "단위"}  # fmt: skip
+FACTORS = word_set("factor coef coefficient gain scale multiplier offset faktor koeffizient"
+                   " 校正係数 オフセット 係数 系数")  # fmt: skip
+ATTRIBUTES = FACTORS | word_set(
+    "range unit units channel ch no number nr sensor calibration zero balance filter rate type"
+    " einheit einheiten bereich kanal kanalname messbereich unite unites unidad unidades"
+    " レンジ 単位 单位 單位 단위 フィルタ"
+)
 DELIMITERS = ("\t", ";", ",", "|", "spaces")
 
 
@@ -29,6 +42,7 @@ class Header:
     question: str = ""  # what has to be asked before its numbers can be used
     units: int | None = None  # line of the units row
     doubts: list[str] = field(default_factory=list)  # what its logs are warned of
+    beside: int = 0  # columns right of the last name that every row fills
 
     def used(self) -> list[int]:
         """Return the indices of all used columns."""
@@ -36,7 +50,8 @@ class Header:
 
     def first_unnamed(self) -> int:
         """Return the column right of the last name; numbers in it mean cells were torn apart."""
-        return max(i for i, name in enumerate(self.names) if name or i in self.used()) + 1
+        last = max(i for i, name in enumerate(self.names) if name or i in self.used())
+        return last + 1 + self.beside
 
 
 def split_cells(line: str, delimiter: str) -> list[str]:
@@ -85,8 +100,14 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
     names = split_cells(line, delimiter)
     if len(names) < 2 or sum(looks_numeric(name) for name in names) > len(names) // 2:
         return None
-    units, place, following = _units_row(lines, after, delimiter)
-    above = following
+    units, place, following = _units_row(lines, after, delimiter, names)
+    described = _descriptions(lines, following, delimiter, names[0])
+    for line_number in described if units is None else []:
+        units, place, _ = _units_row(lines, line_number, delimiter, names)
+        if units is not None:
+            break
+    units = units or _units_above(lines, number, delimiter)
+    above = _skip_blank(lines, described[-1] + 1) if described else following
     following = _first_row(lines, above, delimiter, len(names))
     if following >= len(lines) or not _promises(names, units, told):
         return None
@@ -97,13 +118,73 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
     choice = choose(names, units, Sample(below, partial(split_cells, delimiter=delimiter)), told)
     if not choice.specimens and units is None and not _named_above(lines, number, delimiter):
         choice = from_units_alone(names)
-    doubts = [*choice.doubts, *_digits_passed_over(lines, above, following)]
+    doubts = [*choice.doubts, *_digits_passed_over(lines, above, following),
+              *_factors(lines, described, delimiter)]  # fmt: skip
     header = Header(number, following, len(first), names, choice.specimens, choice.notes,
-                    choice.question, place, doubts)  # fmt: skip
+                    choice.question, place, doubts,
+                    _filled_beside(below, delimiter, names))  # fmt: skip
     shifted = delimiter == "spaces" and len(first) != len(names)
     if not choice.specimens or shifted or not is_row(first, header.used()):
         return None
     return header
+
+
+def _descriptions(lines: list[str], start: int, delimiter: str, name: str) -> list[int]:
+    """Return the lines that describe channels: a word first, where all rows have a number.
+
+    In a column of time, force or length it has to be a channel's: others are damaged rows.
+    """
+    found: list[int] = []
+    needed = read_heading(name).quantity is not None
+    for number in range(start, min(len(lines), start + 2 * DESCRIBED)):
+        cells = split_cells(lines[number], delimiter)
+        if not any(cells):
+            continue
+        if looks_numeric(cells[0]):
+            firsts = [split_cells(line, delimiter)[0] for line in lines[number : number + 3]]
+            return found if all(looks_numeric(cell) for cell in firsts if cell) else []
+        words = re.search(r"[^\W\d_]{2}", cells[0])
+        known = ATTRIBUTES.issuperset(plain(cells[0]).split())
+        if not words or len(found) == DESCRIBED or (needed and not known):
+            return []
+        if _promises(cells, None, Told()):
+            return []
+        found.append(number)
+    return []
+
+
+def _factors(lines: list[str], described: list[int], delimiter: str) -> list[str]:
+    """Name the factors and offsets that the rows may or may not have been through."""
+    found = []
+    for number in described:
+        name, *cells = split_cells(lines[number], delimiter)
+        if FACTORS & set(plain(name).split()) and {c for c in cells if c} - {"0", "1"}:
+            found.append(f"line {number + 1}: '{lines[number].strip()[:40]}': rows are taken as"
+                         " they stand")  # fmt: skip
+    return found
+
+
+def _units_above(lines: list[str], number: int, delimiter: str) -> list[str] | None:
+    """Return the cells of a line above a header that states the units of its columns."""
+    for line in reversed(lines[max(0, number - ABOVE) : number]):
+        name, *cells = split_cells(line, delimiter)
+        if plain(name) in UNIT_LABELS and sum(map(is_unit, cells)) > 1:
+            return ["", *cells]
+    return None
+
+
+def _filled_beside(rows: list[str], delimiter: str, names: list[str]) -> int:
+    """Count the columns right of the last name that each of the first rows fills.
+
+    Where the delimiter is no mark of numbers, such a column is somebody's own calculation.
+    """
+    first = max((i for i, name in enumerate(names) if name), default=-1) + 1
+    if delimiter in (",", "spaces") or len(rows) < BESIDE:
+        return 0
+    right = [split_cells(row, delimiter)[first:] for row in rows[:BESIDE]]
+    columns = zip(*right, strict=False)
+    return next((k for k, cells in enumerate(columns) if not all(map(looks_numeric, cells))),
+                min(map(len, right)))  # fmt: skip
 
 
 def _promises(names: list[str], units: list[str] | None, told: Told) -> bool:
@@ -165,14 +246,15 @@ def is_row(cells: list[str], used: list[int]) -> bool:
 
 
 def _units_row(
-    lines: list[str], number: int, delimiter: str
+    lines: list[str], number: int, delimiter: str, names: list[str]
 ) -> tuple[list[str] | None, int | None, int]:
     """Return the cells and the line of the units row, if there is one, and the line after it."""
     number = _skip_blank(lines, number)
     if number >= len(lines):
         return None, None, number
     cells = split_cells(lines[number], delimiter)
-    filled = [cell for cell in cells if cell]
+    named = names if delimiter != "spaces" else cells  # notes stand right of the last name
+    filled = [cell for cell, name in zip(cells, named, strict=False) if cell and name]
     known = sum(is_unit(cell) for cell in filled)
     bracketed = bool(filled) and all(cell[0] in "([<{" for cell in filled)
     known += bracketed and all(cell in ("()", "[]", "<>", "{}") for cell in filled)

@@ -9,6 +9,7 @@ from instron.errors import Unreadable
 from instron.numbers.numerals import looks_numeric
 from instron.source.files import Source
 from instron.tables.body import Body
+from instron.tables.footer import is_statistic
 from instron.tables.layout import Header, split_cells
 
 ROLES = ("blank", "metadata", "heading", "units", "block head", "data", "end mark", "lost")
@@ -69,6 +70,9 @@ def ledger(
         for number in range(above, body.header.first_row):
             roles[number] = _role(source, body.header, number, above, delimiter)
         rows = body.lines
+        if not isinstance(rows, range):
+            for number in set(range(int(rows[0]), int(rows[-1]))).difference(map(int, rows)):
+                roles[number] = _role(source, body.header, number, above or 1, delimiter)
         roles[slice(rows.start, rows.stop) if isinstance(rows, range) else np.asarray(rows)] = (
             DATA if any(body is log for log in taken) else LOST
         )
@@ -86,11 +90,13 @@ def _role(source: Source, header: Header | None, number: int, above: int, delimi
     line = source.line(number)
     if not line.strip(" \t,;|\"'"):
         return BLANK
-    if header and number >= header.line:
+    if header and header.line <= number < header.first_row:
         return UNITS if number == header.units else HEADING
     if not above:
         return METADATA
     cells = [cell for cell in split_cells(line, delimiter) if cell]
+    if is_statistic(cells):
+        return METADATA
     if 2 * sum(map(looks_numeric, cells)) > len(cells) > 1:
         return LOST
     return BLOCK_HEAD if header else METADATA

@@ -46,6 +46,10 @@ HEADERS = {
     "Japanese": ("shift_jis", "試験片", "時間;伸び;荷重", "応力"),
     "Japanese, UTF-16": ("utf-16", "試験片", "時間;ストローク;試験力", "ひずみ"),
     "Korean": ("cp949", "시편", "시간;변위;하중", "응력"),
+    "Korean beside English": ("cp949", "1 _ 1", "Time;스트로크;Force", "Height"),
+    "Japanese beside English": ("shift_jis", "1 _ 1", "Time;ストローク;Force", "Height"),
+    "Chinese beside English": ("gbk", "1 _ 1", "Time;位移;Force", "Height"),
+    "Chinese, traditional, beside English": ("big5", "1 _ 1", "Time;位移;Force", "Height"),
 }  # fmt: skip
 
 

@@ -154,3 +154,63 @@ def test_a_clock_is_no_time_and_said_so(tmp_path):
     np.testing.assert_array_equal(log["force"], F)
     assert log["time"].isna().all()
     assert "hh:mm:ss" in log.attrs["warnings"][0]
+
+
+@pytest.mark.parametrize("size", [1, 2, 3])
+def test_buffers_of_a_row_or_two_are_one_test(size, tmp_path):
+    parts = [slice(i, i + size) for i in range(0, N, size)]
+    text = TOP + "\n".join(BLOCK_HEADS["tabs"].format(i) + HEAD + rows(part=part)
+                           for i, part in enumerate(parts))  # fmt: skip
+    (log,) = read(tmp_path, text)
+    np.testing.assert_array_equal(log["force"], F)
+    assert log.attrs["lines"]["data"] == N
+
+
+def test_a_heading_over_every_row_is_one_test(tmp_path):
+    text = "Camera trigger\n".join([""] + [HEAD + rows(part=slice(i, i + 1)) for i in range(N)])
+    (log,) = read(tmp_path, text)
+    np.testing.assert_array_equal(log["time"], T)
+
+
+MARKS = {"the same": "Axial Counts\t0\n", "counted": "Axial Counts\t{}\n", "alone": "Buffer\n"}
+
+
+@pytest.mark.parametrize("kind", MARKS)
+@pytest.mark.parametrize("blank", ["", "\n"])
+def test_a_mark_between_buffers_without_headings(kind, blank, tmp_path):
+    marks = [MARKS[kind].format(i) for i in range(3)]
+    text = "Test 7\n" + marks[0] + HEAD + rows(part=thirds()[0])
+    text += "".join(blank + m + rows(part=p) for m, p in zip(marks[1:], thirds()[1:], strict=True))
+    (log,) = read(tmp_path, text)
+    np.testing.assert_array_equal(log["force"], F)
+    assert log.attrs["lines"]["block head"] == 2
+    assert "3 blocks" in log.attrs["warnings"][0]
+
+
+@pytest.mark.parametrize("mark", ["Specimen\t{}\n", "Test run\t{}\n"])
+def test_a_mark_that_counts_specimens_joins_nothing(mark, tmp_path):
+    text = mark.format(1) + HEAD + rows() + mark.format(2) + rows(T + 10)
+    with pytest.raises(instron.Unreadable, match="line 64"):
+        read(tmp_path, text)
+
+
+def test_a_mark_before_time_starts_anew_joins_nothing(tmp_path):
+    text = "Buffer\n" + HEAD + rows() + "Buffer\n" + rows()
+    with pytest.raises(instron.Unreadable, match="time jumps back"):
+        read(tmp_path, text)
+
+
+@pytest.mark.parametrize("delimiter", ["\t", ";", "|"])
+def test_a_column_of_ones_own_beside_the_last_name(delimiter, tmp_path):
+    body = "".join(f"{t}\t{x}\t{f}\t{-f}\t\t{note}\n" for t, x, f, note in
+                   zip(T, X, F, ["-0.056", *[""] * (N - 1)], strict=True))  # fmt: skip
+    head = "Time\tPosition\tForce\t\t\t\ns\tmm\tN\t\t\t-0.081\n"
+    (log,) = read(tmp_path, (head + body).replace("\t", delimiter))
+    np.testing.assert_array_equal(log["force"], F)
+
+
+def test_a_cell_too_many_in_one_row_is_damage(tmp_path):
+    lines = rows().splitlines()
+    lines[7] = "0.7\t0\t0.175\t2.5"
+    with pytest.raises(instron.Unreadable, match="line 10"):
+        read(tmp_path, HEAD + "\n".join(lines) + "\n")

@@ -1,0 +1,47 @@
+"""Rows of statistics below the data, which look like rows of it."""
+
+import re
+from collections.abc import Sequence
+
+from instron.headings.words import plain, word_set
+from instron.numbers.numerals import looks_numeric
+from instron.source.files import Source
+from instron.tables.layout import is_row, split_cells
+
+STATISTIC = word_set(
+    "mean average avg median max maximum min minimum std stdev stddev sd cv rsd variance range"
+    " total mittelwert mittel durchschnitt standardabweichung standardabw variationskoeffizient"
+    " spannweite streuung moyenne mediane ecart type etendue media promedio mediana desviacion"
+    " desvio padrao deviazione maximo minimo massimo gemiddelde srednia odchylenie medelvarde"
+    " prumer atlag ortalama среднее 平均 平均值 最大 最大值 最小 最小值 标准差 標準偏差"
+    " 평균 최대 최소"
+)
+BESIDE = word_set("dev deviation standard std value values of s % wert werte estandar (%)")
+LONGEST = 12  # lines of statistics
+
+
+def is_statistic(cells: Sequence[str]) -> bool:
+    """Tell whether a cell names a statistic of the rows and nothing else: ``Mean``, ``CV %``."""
+    for cell in cells:
+        if cell and not looks_numeric(cell):
+            words = set(plain(cell).replace("(", " ").replace(")", " ").split())
+            if words & STATISTIC and words <= STATISTIC | BESIDE:
+                return True
+    return False
+
+
+def ends_rows(source: Source, number: int, delimiter: str, used: Sequence[int]) -> bool:
+    """Tell whether no row follows a statistic, which else is a remark: ``max`` at a jam."""
+    following = source.lines[number + 1 : number + LONGEST]
+    rows = (split_cells(line, delimiter) for line in following)
+    return not any(is_row(row, list(used)) and not is_statistic(row) for row in rows)
+
+
+def ends_in_statistics(source: Source, delimiter: str) -> bool:
+    """Tell whether one of the last lines names a statistic."""
+    tail = source.data[-5000:].decode(source.encoding, errors="replace").split("\n")[-LONGEST:]
+    return any(
+        is_statistic(split_cells(line.rstrip("\r"), delimiter))
+        for line in tail
+        if re.search(r"[^\W\d_]{2}", line)
+    )
