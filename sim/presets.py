@@ -35,14 +35,7 @@ def material_time(r: float, E: float, density: float) -> float:
     return 0.1 * r * math.sqrt(3 * density / E)
 
 
-class Preset(Part):
-    """What every preset may be asked to record, see `Output`."""
-
-    forces: bool = False
-    frames: bool = False
-
-
-class DoubleHelix(Preset):
+class DoubleHelix(Part):
     """Two helical strands, stress-free as drawn, clamped at the top, and a tine.
 
     `pi1` = P/r, `pi2` = R/r, `pi3` = t/r; right-handed unless `handedness` says "left". Give
@@ -69,6 +62,8 @@ class DoubleHelix(Preset):
     imperfection: NotNegative = 0.0
     samples_per_pitch: Positive = 200.0
     snapshots: Annotated[int, Field(ge=2)] = 64
+    forces: bool = False
+    frames: bool = False
     seed: int = 0
 
     @model_validator(mode="after")
@@ -163,7 +158,7 @@ class DoubleHelix(Preset):
         )
 
 
-class Curl(Preset):
+class Curl(Part):
     """`n` hairs clamped side by side, curved by nature, that hang and relax under gravity.
 
     `curvature` [1/m] is the standard deviation of the intrinsic curvature (10 straight, 40 wavy,
@@ -183,6 +178,8 @@ class Curl(Preset):
     elements: Annotated[int, Field(ge=8)] = 60
     duration: Positive = 1.0
     snapshots: Annotated[int, Field(ge=1)] = 8
+    forces: bool = False
+    frames: bool = False
     seed: int = 0
 
     def scene(self) -> Scene:
