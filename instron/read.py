@@ -38,7 +38,13 @@ from instron.tables.layout import (
 )
 from instron.tables.lines import END_MARK, LOST, Ledger, ledger, lost_lines
 from instron.tables.nolog import why_no_log
-from instron.tables.preamble import labels_above, metadata, specimen_label, stated_maxima
+from instron.tables.preamble import (
+    labels_above,
+    metadata,
+    specimen_label,
+    stated_maxima,
+    stated_units,
+)
 from instron.tables.results import logs_only, no_lists
 
 USUAL_UNITS = {"time": "s", "displacement": "mm", "force": "N"}
@@ -231,7 +237,8 @@ def _table(
 ) -> pd.DataFrame:
     """Return one specimen's table in SI, with what is known of it."""
     where, specimen = str(source.path), body.header.specimens[number]
-    written = {q: _unit(q, c, told) for q, c in specimen.items()}
+    above = stated_units(_facts(source, body, delimiter))
+    written = {q: _unit(q, c, told, above) for q, c in specimen.items()}
     keep = _complete_rows(source, body, specimen)
     ends = end_marks([body.values[specimen[q].index][keep] for q in QUANTITIES if q in specimen])
     lines: Sequence[int] = body.lines[keep]  # type: ignore[assignment]
@@ -307,10 +314,13 @@ def _complete_rows(source: Source, body: Body, specimen: Specimen) -> slice:
     return slice(0, filled[-1] + 1)
 
 
-def _unit(quantity: str, channel: Channel, told: Told) -> tuple[Unit, bool]:
-    """Return the unit of a column, and whether anybody stated it."""
+def _unit(
+    quantity: str, channel: Channel, told: Told, above: Mapping[str, Unit]
+) -> tuple[Unit, bool]:
+    """Return the unit of a column, and whether anybody stated it, in its head or above it."""
     said = read_unit(told.units[quantity]) if quantity in told.units else None
     unit = (said or channel.unit) if quantity in told.columns else (channel.unit or said)
+    unit = unit or above.get(quantity)
     usual = USUAL_UNITS[quantity]
     return unit or Unit(usual, quantity, usual), unit is not None
 
@@ -323,6 +333,15 @@ def _doubts_of_unit(quantity: str, unit: Unit, stated: bool) -> list[str]:
     return []
 
 
+def _head(source: Source, body: Body) -> list[str]:
+    return source.head if body.header.line < len(source.head) else source.lines
+
+
+def _facts(source: Source, body: Body, delimiter: str) -> dict[str, str]:
+    """Return what the lines above a table say."""
+    return metadata(_head(source, body)[body.above : body.header.line], delimiter)
+
+
 def _provenance(
     source: Source,
     body: Body,
@@ -331,9 +350,8 @@ def _provenance(
     written: Mapping[str, tuple[Unit, bool]],
 ) -> dict[Any, Any]:
     """Return where a table comes from and how its file is written."""
-    header = body.header
-    head = source.head if header.line < len(source.head) else source.lines
-    facts = metadata(head[body.above : header.line], delimiter)
+    header, head = body.header, _head(source, body)
+    facts = _facts(source, body, delimiter)
     names = labels_above(head, header, delimiter) if len(header.specimens) > 1 else []
     label = names[number] if names else specimen_label(facts)
     return {

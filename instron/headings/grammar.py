@@ -48,6 +48,7 @@ _CHANNEL = re.compile(r"(?i)^ext\w*[\s_.]*\d$")  # Extension 1: an extensometer'
 _QUANTITY_OF = {word: q for q in QUANTITIES for word in WORDS[q]}
 _CLASSES = (OTHER_THINGS, SETPOINT, ERROR, ACTUAL, CROSSHEAD, ABSOLUTE, GAUGE, LENGTHENING,
             SECONDARY, PARTS, NEUTRAL, SPECIMEN)  # fmt: skip
+ROLES = SETPOINT | ERROR | ACTUAL
 _KNOWN = set(_QUANTITY_OF).union(*_CLASSES)
 
 
@@ -93,7 +94,7 @@ def read_heading(cell: str, below: str = "") -> Heading:
     return Heading(
         text, name or text, quantity, unit,
         role="setpoint" if every & SETPOINT else "error" if every & ERROR else "",
-        rank=_rank(every) + 8 * (quantity == "displacement" and bool(_CHANNEL.search(name))),
+        rank=_rank(every, quantity, name),
         kind=tuple(filter(None, map(_without_digits, outer))),
         labels=(*labels, *re.findall(r"\d+", name)),
         lengthens=bool(every & LENGTHENING) and unit is not None
@@ -281,6 +282,7 @@ def _quantity(name: str, outer: list[str], inner: list[str], unit: Unit | None) 
     if unit and unit.quantity in {q for _, q in found}:
         return unit.quantity
     if not found:
+        bare = " ".join(word for word in bare.split() if word not in ROLES)  # F_ist, s_soll
         symbol = bare.replace(" ", "") if len(bare) < 4 else bare
         known = unit.quantity if unit else ""
         alone = unit is not None and name == unit.text and known in QUANTITIES
@@ -289,14 +291,19 @@ def _quantity(name: str, outer: list[str], inner: list[str], unit: Unit | None) 
     return nouns[-1] if nouns else found[-1][1]
 
 
-def _rank(words: set[str]) -> int:
+def _rank(words: set[str], quantity: str | None, name: str) -> int:
     """Return how far a channel is from the crosshead's own: the lowest is taken.
 
     The crosshead moves the tine, so its travel comes before an extensometer's, a travel that
-    starts at zero before an absolute position, and a first channel before a corrected one.
+    starts at zero before an absolute position, and a first channel before a corrected one. Of a
+    force along and one across nobody knows which was the machine's, nor of a raw and a filtered.
     """
+    if quantity == "force":
+        words = (words | {"filtered"} if "raw" in words else words) - ABSOLUTE - ACROSS
+    channel = quantity == "displacement" and _CHANNEL.search(name)
     return (
-        8 * bool(words & GAUGE)
+        8 * bool(channel)
+        + 8 * bool(words & GAUGE)
         + 4 * bool(words & ABSOLUTE)
         + 2 * bool(words & SECONDARY)
         + 2 * bool(words & ACROSS)

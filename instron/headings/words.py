@@ -24,7 +24,7 @@ WORDS = {
     "time": word_set(
         "time zeit prufzeit testzeit laufzeit messzeit temps tiempo tempo czas godzina tid tijd"
         " aika cas ido zaman sure elapsed timestamp время"
-        " час timp vrijeme vreme waktu χρονοσ"
+        " час timp vrijeme vreme waktu thoi χρονοσ"
     ),
     "displacement": word_set(
         "extension extn ext crosshead displacement disp displ displcment position pos traverse"
@@ -38,6 +38,7 @@ WORDS = {
         " zdvih dilatacao degistirme cekme crossheadtravel indentation penetration eindringtiefe"
         " standardwegaufnehmer traverseposition querhauptweg hub stauchung abstand"
         " перемещение удлинение прогиб ход деформация смещение переміщення видовження encoder"
+        " forlengelse vandring siirtyma predlzenie chuyen"
         " deplasare alungire pomak pomik hod forskyvning perpindahan μετατοπιση επιμηκυνση"
     ),
     "force": word_set(
@@ -45,7 +46,7 @@ WORDS = {
         " carga fuerza forca forza carico sila obciazenie kracht belasting belastning zatizeni ero"
         " terheles kuvvet yuk loadcell weight gewicht voima kraftsensor kraftaufnehmer"
         " kraftmessdose сила нагрузка усилие зусилля навантаження forta opterecenje gaya beban"
-        " δυναμη φορτιο"
+        " δυναμη φορτιο luc"
     ),
 }
 # German and its neighbours glue: Maschinenkraft, Kolbenweg, Messzeit.
@@ -114,7 +115,7 @@ ACTUAL = word_set(
 CROSSHEAD = word_set(
     "machine crosshead traverse traversenweg stroke course actuator maschinenweg"
     " kolbenweg querhaupt querhauptweg maschine piston ram corsa carrera curso standardwegaufnehmer"
-    " ストローク 横梁 pricniku crossheadtravel"
+    " ストローク 横梁 pricniku crossheadtravel aktuator aktuators aktor kolben"
 )
 ABSOLUTE = word_set("absolute absolu absolue absolut abs position pos raw absoluta jaw")
 GAUGE = word_set(
@@ -134,8 +135,8 @@ ELONGATION = word_set(
     " prodlouzeni uzama verlangerung langenanderung verlenging forlangning delta удлинение"
 )
 SECONDARY = word_set(
-    "step segment corrected compensated korrigiert secondary aux auxiliary digital filtered"
-    " filtre gefiltert smoothed smooth nominal cycle backup"
+    "step segment corrected compensated korrigiert secondary aux auxiliary digital digitale"
+    " filtered filtre gefiltert smoothed smooth nominal cycle backup"
 )
 # Which of several alike: axes, sides, sensors of one specimen. Never specimens of their own.
 PARTS = word_set(
@@ -149,9 +150,9 @@ CHANNELS = word_set("channel ch kanal canal voie cell cells sensor sensors lc km
 ACROSS = word_set("lateral transverse transversal radial shear tangential quer horizontal")
 # Says nothing that would tell one column from another.
 NEUTRAL = word_set(
-    "the of in en em na total running test testing standard standart primary tensile compressive"
-    " flexure flexural tension axial relative measured linear applied overall default sample"
-    " machine specimen data channel signal from"
+    "the of in en em na des der du della total running test testing standard standart primary"
+    " tensile compressive flexure flexural tension axial relative measured linear applied"
+    " overall default sample machine specimen data channel signal from"
 )
 SPECIMEN = word_set("specimen sample probe probekorper eprouvette probeta provino test run versuch"
                     " essai ensayo prova trial replicate rep")  # fmt: skip

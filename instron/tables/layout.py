@@ -13,6 +13,7 @@ from instron.numbers.numerals import looks_numeric
 LONGEST_HEADER = 20_000  # characters; names of a hundred specimens side by side need 10 000
 LONGEST_CELL = 20  # lines that a header with line breaks in its cells may have
 SAMPLE = 2000  # rows by whose contents columns are told apart
+COMMENT = re.compile(r"^\s*(?:[#%]+|//)\s+")  # before the names of a table made by a program
 COMMENTS = 2  # lines of words that may stand between a header and its first row
 DESCRIBED = 8  # lines that may describe the channels between a header and its first row
 ABOVE = 12  # lines above a header among which one may state the units
@@ -97,7 +98,7 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
     if torn or len(lines[number]) > LONGEST_HEADER:
         return None
     line, after = _closed_line(lines, number)
-    names = split_cells(line, delimiter)
+    names = split_cells(COMMENT.sub("", line) if delimiter == "spaces" else line, delimiter)
     if len(names) < 2 or sum(looks_numeric(name) for name in names) > len(names) // 2:
         return None
     units, place, following = _units_row(lines, after, delimiter, names)

@@ -4,8 +4,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from instron.headings.grammar import split_unit
-from instron.headings.units import read_unit
+from instron.headings.grammar import quantity_of, split_unit
+from instron.headings.units import Unit, read_unit
 from instron.headings.words import plain, word_set
 from instron.numbers.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.tables.layout import Header, split_cells
@@ -17,6 +17,7 @@ MAXIMUM = word_set(
 LOAD = word_set("load force kraft last carga charge forza carico fmax hochstkraft maximalkraft")
 # What may stand beside those two without making it another quantity or another place.
 BESIDE = word_set("tensile compressive compression flexure flexural standard test value the of")
+UNIT_WORDS = word_set("unit units einheit einheiten unite unites unidad unidades of der 単位 单位")
 LONGEST_TABLE = 60  # lines
 _WORDS = re.compile(r"[^\W\d_]{3}")
 LABEL = re.compile(r"specimen (label|name|id)|sample (name|id|label)|^specimen$|^sample$|probe\b")
@@ -37,13 +38,29 @@ def metadata(lines: list[str], delimiter: str) -> dict[str, str]:
     found: dict[str, str] = {}
     for number, line in enumerate(lines):
         cells = [cell for cell in split_cells(line.lstrip("\ufeff"), delimiter) if cell]
-        if len(cells) == 1 and ":" in cells[0]:
-            cells = [part.strip() for part in cells[0].split(":", 1)]
+        if len(cells) == 1 and (mark := re.search(r"[:=]", cells[0])):
+            cells = [part.strip() for part in cells[0].split(mark[0], 1)]
         if cells and cells[0]:
             key = cells[0].rstrip(": ")
             key = key if key not in found else f"{key} (line {number + 1})"
             found[key] = " ".join(cells[1:])
     return found
+
+
+def stated_units(facts: Mapping[str, str]) -> dict[str, Unit]:
+    """Return the units that lines such as ``Force unit: kgf`` or ``Unit, N`` state, by quantity."""
+    found: dict[str, list[Unit]] = {}
+    for fact, rest in facts.items():
+        key, _, value = f"{fact} : {rest}".partition(":")
+        key = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", key)
+        words = [word for word in plain(key).split() if word not in UNIT_WORDS]
+        units = list(filter(None, map(read_unit, re.split(r"[\s,;:/]+", value))))
+        if len(words) == len(plain(key).split()) or len(words) > 2:
+            continue
+        for unit in units:
+            if unit.quantity != "other" and (not words or quantity_of(key) == unit.quantity):
+                found.setdefault(unit.quantity, []).append(unit)
+    return {q: units[0] for q, units in found.items() if all(map(units[0].agrees, units))}
 
 
 def specimen_label(facts: dict[str, str]) -> str | None:

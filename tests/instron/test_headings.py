@@ -100,6 +100,7 @@ ROLES = {
     "Time (s);Axial Displacement Command (mm);Axial Displacement (mm);Axial Force (N)": "toxF",
     "Temps (s);Consigne force (N);D\u00e9placement (mm);Force (N)": "toxF",
     "Zeit [s];Weg_soll [mm];Weg_ist [mm];Kraft_ist [N]": "toxF",
+    "t [s];s_soll [mm];s_ist [mm];F_soll [N];F_ist [N]": "toxoF",
     "Time (s);Load setpoint (N);Load feedback (N);Crosshead (mm)": "toFx",
 }
 
@@ -142,6 +143,10 @@ TIES = {
     "Time (s);Extension (mm);Force1 (N);Force2 (N)": "txFo",
     "Time (s);LVDT 1 (mm);LVDT 2 (mm);Load (N)": "txoF",
     "Time (s);Force 1 (N);Force 2 (N);Position 1 (mm);Position 2 (mm)": "tFoxg",
+    "Time (s);Tangential Force (N);Normal Force (N);Displacement (mm)": "tFox",
+    "Time (s);Weg (mm);Radialkraft (N);Axialkraft (N)": "txoF",
+    "Time (s);Shear load (N);Axial load (N);Stroke (mm)": "toFx",
+    "Time (s);Raw force (N);Filtered force (N);Position (mm)": "tFox",
 }
 
 
@@ -198,6 +203,9 @@ WORDS = {
     "Load (N);Position (mm);Aux (V);Gain (mV/V)": "FxVV",
     "Load;Displacement;Th_time": "Fx~", "Kraft;Weg;Zeit Thermoelement": "Fx~",
     "Force (N);Travel (mm);Time DIC (s)": "Fx-",
+    "Position des Aktuators (mm);Kraft (N);Digitale Position (mm)": "xFg",
+    "Siirtymä (mm);Voima (N)": "xF", "Forlengelse [mm];Kraft [N]": "xF",
+    "Vandring (mm);Kraft (N)": "xF", "Chuyển vị (mm);Lực (N)": "xF",
 }  # fmt: skip
 
 
@@ -273,3 +281,41 @@ def test_a_numbered_extension_beside_the_position_is_an_extensometer(tmp_path):
 def test_a_length_by_its_unit(name, tmp_path):
     (log,) = read(tmp_path, f"Time (s);{name};Kraft in N", "txF")
     check(log)
+
+
+ABOVE = {
+    "Force Unit,kgf\nDisplacement Unit,cm\n": ("kgf", "cm"),
+    "Load units: kgf\nUnit of displacement: cm\n": ("kgf", "cm"),
+    "Model,ZTA\nUnit,kgf\nSampling rate,10 Hz\n": ("kgf", "mm"),
+    "[Info]\nForceUnit=kgf\nDisplacementUnit=cm\n[Data]\n": ("kgf", "cm"),
+    "Einheit der Kraft;kgf\n": ("kgf", "mm"),
+    "Units: kgf, cm, s\n": ("kgf", "cm"),
+}
+
+
+@pytest.mark.parametrize("head", ABOVE)
+def test_units_that_lines_above_state(head, tmp_path):
+    path = tmp_path / "export.csv"
+    rows = "".join(f"{i};{i / 8};{i / 4}\n" for i in range(1, 30))
+    path.write_text((head + "Time (s);Displacement;Force\n" + rows).replace(";", ","))
+    (log,) = instron.read(path)
+    columns = log.attrs["columns"]
+    assert (columns["force"]["unit"], columns["displacement"]["unit"]) == ABOVE[head]
+    np.testing.assert_allclose(log["force"].iloc[0], 0.25 * 9.80665)
+
+
+def test_units_above_that_disagree_are_none(tmp_path):
+    path = tmp_path / "export.csv"
+    path.write_text("Unit,kgf\nForce unit,N\nDisplacement,Force\n0.1,2\n0.2,3\n0.3,4\n")
+    (log,) = instron.read(path)
+    assert any("unit of force is not stated" in note for note in log.attrs["warnings"])
+
+
+@pytest.mark.parametrize("mark", ["#", "%", "# ", "//"])
+def test_names_behind_a_comment_mark(mark, tmp_path):
+    path = tmp_path / "export.txt"
+    body = "".join(f"{i / 10} {i / 8} {i / 4}\n" for i in range(9))
+    path.write_text(f"{mark} Time(s) Disp(mm) Force(N)\n" + body)
+    (log,) = instron.read(path)
+    assert log["force"].tolist() == [i / 4 for i in range(9)]
+    assert log.attrs["columns"]["time"]["unit"] == "s"
