@@ -1,7 +1,8 @@
 """Tables of results, a row a specimen, which are no log of one test."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Sequence
+from itertools import pairwise
 
 from instron.errors import NoLog
 from instron.headings.grammar import read_heading
@@ -20,29 +21,41 @@ MOST = 1000  # specimens
 
 
 def _names_a_specimen_each(source: Source, body: Body, delimiter: str) -> str:
-    """Return the heading of the column in which every row names another specimen, or ""."""
+    """Return the heading of the column in which every row names another specimen, or "".
+
+    Without a time, words that change from row to row are names whatever their column is called.
+    """
     if not 1 < len(body.lines) <= MOST:
         return ""
+    rows = [split_cells(source.line(int(line)), delimiter) for line in body.lines]
+    timed = all("time" in specimen for specimen in body.header.specimens)
     used = set(body.header.used())
     for index, name in enumerate(body.header.names):
-        words = set(plain(read_heading(name).name).split())
-        if index in used or not words & (SPECIMEN | NAMES) or not words <= SPECIMEN | BESIDE:
+        cells = [row[index] if index < len(row) else "" for row in rows]
+        if index in used or not _change(cells):
             continue
-        rows = (split_cells(source.line(int(line)), delimiter) for line in body.lines)
-        cells = (row[index] if index < len(row) else "" for row in rows)
-        if _change(cells, numbers_too=bool(words & ONE_TEST)):
+        words = set(plain(read_heading(name).name).split())
+        named = words & (SPECIMEN | NAMES) and words <= SPECIMEN | BESIDE
+        if all(map(looks_numeric, cells)):
+            if named and words & ONE_TEST:
+                return name
+        elif named or not (timed or any(map(looks_numeric, cells)) or _counts(cells)):
             return name
     return ""
 
 
-def _change(cells: Iterable[str], *, numbers_too: bool) -> bool:
-    """Tell whether cells are names, each another than the one above: no counter, no clock."""
-    last, numbers = "", True
-    for cell in cells:
-        if not cell or cell == last or CLOCK.search(cell):
-            return False
-        last, numbers = cell, numbers and looks_numeric(cell)
-    return numbers_too or not numbers
+def _change(cells: Sequence[str]) -> bool:
+    """Tell whether each cell is another than the one above, and none a time of a clock."""
+    return (
+        all(cells)
+        and all(one != other for one, other in pairwise(cells))
+        and not any(map(CLOCK.search, cells))
+    )
+
+
+def _counts(cells: Sequence[str]) -> bool:
+    """Tell whether cells differ in their digits alone, as names of pictures do."""
+    return len({re.sub(r"\d+", "", cell) for cell in cells}) == 1
 
 
 def no_lists(source: Source, bodies: list[Body], delimiter: str) -> list[Body]:

@@ -31,6 +31,8 @@ RESULTS = {
     "numbers": ("Specimen,Force (N),Displacement (mm)", range(1, 9)),
     "German": ("Probe,Kraft [N],Weg [mm]", ["a", "b", "c", "d", "e"]),
     "settings": ("name,gain load,gain displacement", ["H11L", "H12R", "H13R", "H14L"]),
+    "material": ("Material,Force (N),Displacement (mm)", ["PLA", "ABS", "PETG", "nylon 6"]),
+    "tag": ("Physical_Tag,Sex,Force,Disp", ["C18-L,M", "C18-LL,M", "C18-RR,F"]),
     "label": ("Label,Load (N),Stroke (mm)", ["left", "right", "upper", "lower"]),
 }
 
@@ -47,6 +49,8 @@ NO_RESULTS = {
     "one name": ("Specimen,Load (N),Extension (mm)", ["PLA 1"] * N),
     "a clock": ("Label,Load (N),Extension (mm)", [f"2024-03-01T10:00:{i:02d}" for i in range(N)]),
     "pictures": ("Image,Load (N),Extension (mm)", [f"frame_{i:04d}.tif" for i in range(N)]),
+    "phases": ("Phase,Load (N),Extension (mm)", ["rise"] * 20 + ["fall"] * (N - 20)),
+    "points": ("Point,Load (N),Extension (mm)", [f"P{i}" for i in range(N)]),
     "a column of remarks": ("Name,Load (N),Extension (mm)", ["", "jam", *[""] * (N - 2)]),
 }
 
