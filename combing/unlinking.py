@@ -1,10 +1,12 @@
 """How link flows while a tine combs a pair: its density over s, and on both sides of the tine."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
+import imaging
 import instron
 import sim
 from combing.errors import UserError
@@ -32,8 +34,8 @@ def link_change(
     -------
     DataFrame
         ``d`` [m] of the snapshot, ``x`` = d/D, ``s`` [m] along the centreline of the pair,
-        ``link`` [1/m], ``change``. ``attrs``: ``lambda_0`` [1/m], the mean link density before
-        combing, with its sign; ``D`` [m].
+        ``link`` [1/m], ``change``. ``attrs``: ``lambda_0`` [1/m], the link density before
+        combing (`imaging.link_before`), with its sign; ``D`` [m].
 
     Raises
     ------
@@ -69,8 +71,9 @@ def link_history(run: sim.Run, *, shots: int | None = SHOTS) -> pd.DataFrame:
     -------
     DataFrame
         A row a snapshot up to the end of combing: ``d`` [m], ``x`` = d/D, ``tine``, its place along
-        the pair's centreline [m]; ``behind``, ``ahead``, mean link densities on the root's and the
-        tip's side [1/m]; ``jump`` = (ahead - behind) / lambda_0; ``turns``, link of the pair;
+        the pair's centreline [m]; ``behind``, ``ahead`` [1/m] and ``jump``, on the root's and the
+        tip's side, as `imaging.jump_across` gives them; ``stays``, mean link density from the root
+        to the tine [1/m]; ``turns``, link of the pair;
         ``excess``, turns by which lambda exceeds lambda_0 ahead, and ``extent``, over which [m];
         ``near``, lambda within two pitches ahead [1/m]; ``force`` [N], averaged as in
         `instron.scale`. Link counts positive in the sense of the pair. ``attrs`` as `link_change`.
@@ -127,7 +130,7 @@ def link_facts(history: pd.DataFrame, jams: Sequence[float]) -> dict[str, float]
         "jump": over("jump", 0.2, 0.9),
         "jump_growth": late - over("jump", 0.15, 0.25),
         "jump_change": over("jump", 0.75, 0.95) / late - 1,
-        "behind": over("behind", 0.3, 0.9) / first,
+        "behind": over("stays", 0.3, 0.9) / first,
         "expelled": float(1 - turns[1] / turns[0]),
     }
 
@@ -158,7 +161,15 @@ def _before(run: sim.Run) -> float:
             f"{run.data.attrs['title']}: {what}; link flows in a pair that a tine combs"
         )
     found = sim.link_density(*strands)
-    return float(found.attrs["total_link"] / found.attrs["length"])
+    return imaging.link_before(partial(_mean_link, found), found.attrs["length"])[0]
+
+
+def _mean_link(density: pd.DataFrame, start: float, end: float) -> tuple[float, float]:
+    """Mean of a link density of even steps between two arclengths; exact, hence an sd of 0."""
+    s, link = density["s"].to_numpy(), density["link"].to_numpy()
+    edges = np.append(s - s[0], s[-1] + s[0])
+    turns = np.append(0.0, np.cumsum(link * np.diff(edges)))
+    return float(np.diff(np.interp([start, end], edges, turns))[0]) / (end - start), 0.0
 
 
 def _sides(run: sim.Run, snapshot: int, before: float) -> dict[str, float]:
@@ -167,17 +178,15 @@ def _sides(run: sim.Run, snapshot: int, before: float) -> dict[str, float]:
     rest, sense = abs(before), float(np.sign(before))
     found = sim.link_density(first, second)
     d, turns = float(run.displacements[snapshot]), float(found.attrs["total_link"])
-    tine = tine_place(run, d, first, second, turns)
+    tine, length = tine_place(run, d, first, second, turns), float(found.attrs["length"])
+    jump = imaging.jump_across(partial(_mean_link, found), tine, length, (before, 0.0))
     s, link = found["s"].to_numpy(), found["link"].to_numpy() * sense
     step, ahead, near = s[1] - s[0], s > tine, (s > tine) & (s < tine + 2 / rest)
     over = box_average(s, link, 1 / rest)[ahead] - rest
-    behind, beyond = _mean(link[~ahead]), _mean(link[ahead])
     return {
         "d": d,
-        "tine": tine,
-        "behind": behind,
-        "ahead": beyond,
-        "jump": (beyond - behind) / rest,
+        **{one: jump[one] for one in ("tine", "behind", "ahead", "jump")},
+        "stays": _mean(link[~ahead]),
         "turns": turns * sense,
         "excess": float(np.sum(over[over > 0]) * step),
         "near": _mean(link[near]),

@@ -7,7 +7,15 @@ are imported here, once, after their modules.
 from imaging.correct import Corrections, read_corrections
 from imaging.count import crossings, densities, events, interactions, unresolved
 from imaging.errors import Unmeasurable
-from imaging.helix import HelixMeasurement, helix, helix_sequence, link_jump
+from imaging.helix import (
+    HelixMeasurement,
+    first_link,
+    helix,
+    helix_sequence,
+    jump_across,
+    link_before,
+    link_jump,
+)
 from imaging.measure import Measured, measure, strands_of
 from imaging.photo import Photo, read_photo
 from imaging.segment import Segmentation, segment
@@ -24,9 +32,12 @@ __all__ = [
     "crossings",
     "densities",
     "events",
+    "first_link",
     "helix",
     "helix_sequence",
     "interactions",
+    "jump_across",
+    "link_before",
     "link_jump",
     "measure",
     "read_corrections",

@@ -2,9 +2,12 @@
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from combing.cli import main
 
 SHARED = Path(os.environ.get("COMBING_SHARED", Path(__file__).parents[2] / "shared"))
 
@@ -21,3 +24,17 @@ def shared():
 def reference(shared):
     """Return a table of independent numbers by its name."""
     return lambda name: json.loads((shared / "reference" / f"{name}.json").read_text())
+
+
+@pytest.fixture(scope="session")
+def run() -> Callable[..., int]:
+    """Run a command line in this process; return its exit code."""
+
+    def run(*args: object) -> int:
+        try:
+            main([str(arg) for arg in args])
+        except SystemExit as leaving:
+            return int(leaving.code or 0)
+        return 0
+
+    return run

@@ -7,7 +7,8 @@ CLAIM = Claim(
     sentence="The link density steps up across the tine.",
     where="Figs. 2e, 3e",
     over="pi1",
-    quantity="mean jump over the first link density, x from 0.2 to 0.9",
+    quantity="jump between the means over a pitch on either side, over the first link density, "
+    "x from 0.2 to 0.9",
     measure=mean("jump"),
     above=0.1,
 )

@@ -18,7 +18,7 @@ from combing.errors import UserError, is_users_fault
 from combing.figures.style import write_pictures
 from combing.view import View, measure_pair, metres
 from imaging.helix.measurement import HelixMeasurement
-from imaging.helix.sequence import HelixSequence, kymograph, sequence_of
+from imaging.helix.sequence import HelixSequence, first_link, kymograph, sequence_of
 from imaging.photo import Photo
 from imaging.photo.region import FORMS as REGION_FORMS
 from imaging.report.helix_pictures import (
@@ -44,7 +44,10 @@ COLUMNS = {
     "confidence": "width by which the front strand shows more than the other, over its width",
     "frame": "number of the photograph in the series, from 0",
     "change, change_sd": "(lambda - lambda_0) / lambda_0",
-    "behind, ahead": "mean link density on the root's and on the tip's side of the tine [1/UNIT]",
+    "lambda_0": "link density before combing, but for a pitch at either end [1/UNIT]",
+    "reach": "length on either side of the tine that is left out, a quarter of a pitch [UNIT]",
+    "behind, ahead": "mean link density over a pitch, 1/lambda_0, beyond the reach on the root's "
+    "and on the tip's side [1/UNIT], in the sense of the helix > 0",
     "jump": "(ahead - behind) / lambda_0",
     "tine": "arclength of the tine [UNIT]",
 }
@@ -124,8 +127,7 @@ def command(
     rows, measured = _measure_all(photos, output, options, places is not None, quiet)
     if places is not None:
         first = rest or measured[0]
-        lambda_0 = (1 / first.pitch, first.pitch_sd / first.pitch**2)
-        sequence = sequence_of(measured, places, lambda_0)
+        sequence = sequence_of(measured, places, first_link(first))
         _put(output, lambda folder: _fill_sequence(folder, sequence))
     if as_json:
         click.echo(json.dumps(rows, indent=1))
@@ -283,7 +285,7 @@ def _data_md(unit: str) -> str:
         "colour of the strand in front at each crossing\n"
         "- `link.png`, `link.svg` link density and radius with 95 % bands\n"
         "- of a series: `profiles.csv`, `jumps.csv`, `kymograph.csv` (a column for each tine "
-        "position), `change.png` (dashed: the mean behind the tine, by its crossings), "
+        "position), `change.png` (dashed: the mean over the pitch behind the tine), "
         "`kymograph.png` and the same as SVG\n\n"
         f"Lengths are in {unit}.\n\n| column | meaning |\n|---|---|\n{rows}\n"
     )

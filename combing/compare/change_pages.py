@@ -10,8 +10,9 @@ from combing.tables import write_table
 
 TEXT = (
     "Δλ/λ0 = λ(s)/λ0 − 1 at every place of the tine, and the jump of λ across the tine over λ0. "
-    "λ0 is the mean link density before combing. The simulation's λ is averaged over one pitch; "
-    "its jump is that of the mean densities on both sides of the tine."
+    "λ0 is the mean link density before combing, but for a pitch at either end. The jump is that "
+    "of the means over one pitch, 1/λ0, on either side of the tine, the nearest quarter of a pitch "
+    "left out, in photographs and simulations alike. The simulation's λ is averaged over one pitch."
 )
 CAPTION = (
     "Colour: the tine's place. Gaps are not resolved; a photograph without a jump shows no tine."

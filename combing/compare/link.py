@@ -34,8 +34,9 @@ def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
     -------
     DataFrame
         ``s`` [m], ``link`` [1/m], ``sd`` [1/m]; ``attrs`` hold ``photo``, ``resolution`` [m],
-        ``total_link``, ``R``, ``r`` [m], ``lean`` [rad], ``warnings``, ``content`` (a hash) and
-        ``synthetic``.
+        ``total_link``, ``R``, ``r`` [m], ``lean`` [rad], ``warnings``, ``content`` (a hash),
+        ``synthetic``, ``first`` (`imaging.first_link`) and ``jump``, `imaging.link_jump` as a
+        function of lambda_0.
 
     Raises
     ------
@@ -60,7 +61,8 @@ def link_table(found: HelixMeasurement) -> pd.DataFrame:
         "R": found.R,
         "r": found.r,
         "lean": found.lean,
-        "sides": imaging.link_jump(found),
+        "first": imaging.first_link(found),
+        "jump": lambda lambda_0: imaging.link_jump(found, lambda_0),
         "warnings": list(found.warnings),
     }
     return table
@@ -91,7 +93,7 @@ def compare_link(
         notes += [f"{chosen.name}, {before.photo.stem}: no reference, {before.reason}"]
         before = None
     run = runs[chosen.simulation] if chosen.simulation else None
-    reference = None if before is None else float(before["link"].mean())
+    reference = None if before is None else before.attrs["first"][0]
     parts, rows = [], []
     notes += _warnings(chosen.name, [before, *measured])
     for d, seen in zip(positions, measured, strict=True):

@@ -39,8 +39,8 @@ def changes(
     DataFrame
         Columns set, source (experiment, simulation), curve (profile, behind, jump), d [m],
         x = d/D (by the study's D, else the simulation's; NaN where neither is known), s [m] of a
-        profile, change, sd. A jump is that of lambda across the tine over lambda_0; behind, two
-        ends of the stretch behind the tine with its mean.
+        profile, change, sd. A jump is that of `imaging.jump_across`; behind, the two ends of the
+        pitch behind the tine with its mean.
     """
     D = combed(chosen) or (combing_ends(run) if run is not None else np.nan)
     parts = _photographed(seen[0] if before is None else before, seen, positions, D)
@@ -52,18 +52,19 @@ def changes(
 def _photographed(
     first: pd.DataFrame, seen: Sequence[pd.DataFrame], positions: Sequence[float], D: float
 ) -> list[pd.DataFrame]:
-    rest = float(first["link"].mean())
-    parts = []
+    lambda_0 = first.attrs["first"]
+    rest, parts = lambda_0[0], []
     for d, one in zip(positions, seen, strict=True):
         profile = {"s": one["s"], "change": one["link"] / rest - 1, "sd": one["sd"] / abs(rest)}
         parts.append(_rows("experiment", "profile", d, d / D, **profile))
-        sides = one.attrs.get("sides", {})
-        if sides and np.isfinite(sides["jump"]):
-            jump = (sides["ahead"] - sides["behind"]) / abs(rest)
-            sd = float(np.hypot(sides["ahead_sd"], sides["behind_sd"])) / abs(rest)
-            parts.append(_rows("experiment", "jump", d, d / D, s=[np.nan], change=jump, sd=sd))
-            mean, sd = sides["behind"] / abs(rest) - 1, sides["behind_sd"] / abs(rest)
-            ends = [0.0, sides["tine"]]
+        found = one.attrs["jump"](lambda_0)
+        if np.isfinite(found["jump"]):
+            jump = {"change": found["jump"], "sd": found["jump_sd"]}
+            parts.append(_rows("experiment", "jump", d, d / D, s=[np.nan], **jump))
+        if np.isfinite(found["behind"]):
+            mean, sd = found["behind"] / abs(rest) - 1, found["behind_sd"] / abs(rest)
+            end = found["tine"] - found["reach"]
+            ends = [max(end - 1 / abs(rest), 0.0), end]
             parts.append(_rows("experiment", "behind", d, d / D, s=ends, change=mean, sd=sd))
     return parts
 

@@ -2,6 +2,15 @@
 
 from imaging.helix.measurement import HelixMeasurement
 from imaging.helix.photograph import helices, helix
-from imaging.helix.sequence import helix_sequence, link_jump
+from imaging.helix.sequence import first_link, helix_sequence, jump_across, link_before, link_jump
 
-__all__ = ["HelixMeasurement", "helices", "helix", "helix_sequence", "link_jump"]
+__all__ = [
+    "HelixMeasurement",
+    "first_link",
+    "helices",
+    "helix",
+    "helix_sequence",
+    "jump_across",
+    "link_before",
+    "link_jump",
+]

@@ -1,7 +1,8 @@
 """Photographs of a tine on its way -> change of the link density, jump across the tine."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from imaging.photo import Photo
 from imaging.segment import Segmentation
 
 Array = np.ndarray
+MeanLink = Callable[[float, float], tuple[float, float]]
+HALF_TURN_SD = 1 / np.sqrt(24)  # turns; of a count that may be off by half a turn at either end
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class HelixSequence:
         ``frame, x, s, link, sd, change, change_sd``: ``change`` is (lambda(s) - lambda_0)/lambda_0,
         NaN where not resolved.
     jumps : DataFrame
-        One row per frame: ``frame, x, tine, lambda_0, behind, ahead, jump`` and their ``_sd``.
+        One row per frame: ``frame, x`` and what `jump_across` gives.
     measurements : tuple of HelixMeasurement
     """
 
@@ -71,7 +74,7 @@ def helix_sequence(
         helix(frame, tine=tine, **options) for frame, tine in zip(frames, places, strict=True)
     ]
     first = measured[0] if before is None else helix(before, **options)
-    return sequence_of(measured, positions, (1 / first.pitch, first.pitch_sd / first.pitch**2))
+    return sequence_of(measured, positions, first_link(first))
 
 
 def sequence_of(
@@ -79,14 +82,16 @@ def sequence_of(
     positions: Sequence[float],
     lambda_0: tuple[float, float],
 ) -> HelixSequence:
-    """Put measured frames beside each other, relative to an initial link density and its sd."""
+    """Put measured frames beside each other, relative to an initial link density and its sd.
+
+    `lambda_0` as `first_link` gives it.
+    """
     profiles, jumps = [], []
     for number, (one, x) in enumerate(zip(measured, positions, strict=True)):
-        sign = 1.0 if one.handedness == "right" else -1.0
         table = one.link_density.assign(frame=number, x=float(x))
-        ratio = sign * table["link"] / lambda_0[0]
+        ratio = table["link"] / lambda_0[0]
         table["change"] = ratio - 1
-        table["change_sd"] = np.hypot(table["sd"], ratio * lambda_0[1]) / lambda_0[0]
+        table["change_sd"] = np.hypot(table["sd"], ratio * lambda_0[1]) / abs(lambda_0[0])
         profiles.append(table[["frame", "x", "s", "link", "sd", "change", "change_sd"]])
         jumps.append({"frame": number, "x": float(x), **link_jump(one, lambda_0)})
     return HelixSequence(
@@ -94,47 +99,131 @@ def sequence_of(
     )
 
 
+def link_before(mean: MeanLink, length: float) -> tuple[float, float]:
+    """Link density before combing, lambda_0, and its sd: the mean but for a pitch at either end.
+
+    Parameters
+    ----------
+    mean : callable
+        Mean link density and its sd between two arclengths, of the helix that nothing combs yet.
+    length : float
+        Of the helix; of one shorter than four pitches a quarter is left out at either end.
+    """
+    middle = abs(mean(0.25 * length, 0.75 * length)[0])
+    end = length / max(4.0, length * middle)
+    return mean(end, length - end)
+
+
+def jump_across(
+    mean: MeanLink,
+    tine: float,
+    length: float,
+    lambda_0: tuple[float, float],
+    *,
+    reach: float | None = None,
+) -> dict[str, float]:
+    """Jump of the link density across a tine, of a photograph and of a simulation alike.
+
+    Each side's density is the mean over a pitch, 1/lambda_0, that begins at the tine's own reach:
+    what lies nearer is the tine's doing and not the helix's.
+
+    Parameters
+    ----------
+    mean : callable
+        Mean link density and its sd between two arclengths from the root.
+    tine, length : float
+        Arclengths of the tine and of the tip.
+    lambda_0 : (float, float)
+        Link density before combing, as `link_before` gives it, and its sd.
+    reach : float, optional
+        A quarter of a pitch when left out: about tine radius, helix radius and strand radius of
+        the paper's main case (0.22 of a pitch).
+
+    Returns
+    -------
+    dict
+        ``tine, reach, lambda_0, behind, ahead, jump`` and ``*_sd``: behind is the root's side, and
+        ``jump`` = (ahead - behind)/lambda_0; densities count positive in lambda_0's sense. NaN on a
+        side where less than half a pitch is left.
+    """
+    value, value_sd = abs(lambda_0[0]), lambda_0[1]
+    pitch, sense = 1 / value, np.sign(lambda_0[0])
+    reach = pitch / 4 if reach is None else reach
+    spans = {
+        "behind": (max(tine - reach - pitch, 0.0), tine - reach),
+        "ahead": (tine + reach, min(tine + reach + pitch, length)),
+    }
+    found = {"tine": tine, "reach": reach, "lambda_0": value, "lambda_0_sd": value_sd}
+    for side, (start, end) in spans.items():
+        nothing = (float("nan"), float("nan"))
+        one, sd = mean(start, end) if end - start >= pitch / 2 else nothing
+        found |= {side: float(sense * one), f"{side}_sd": sd}
+    jump = (found["ahead"] - found["behind"]) / value
+    sd = np.hypot(np.hypot(found["behind_sd"], found["ahead_sd"]), jump * value_sd) / value
+    return found | {"jump": jump, "jump_sd": float(sd)}
+
+
 def link_jump(
     measurement: HelixMeasurement, lambda_0: tuple[float, float] | None = None
 ) -> dict[str, float]:
-    """Mean link density behind and ahead of the tine, and the jump across it.
-
-    Behind is the root's side. Each mean is that of the resolved stretch next to the tine, from the
-    phases at its ends; where nothing is resolved, half the signed crossings per length with the
-    sd of a count that may be off by half a turn at either end (1/sqrt(24) turn).
+    """Jump of the link density across the tine in a photograph, as `jump_across` gives it.
 
     Parameters
     ----------
     measurement : HelixMeasurement
     lambda_0 : (float, float), optional
-        Link density before combing (its size) and sd; the mean of this picture when left out.
+        Link density before combing and its sd, as `first_link` gives them; the mean of this
+        picture when left out.
 
     Returns
     -------
     dict
-        ``tine, lambda_0, behind, ahead, jump`` and ``*_sd``; ``jump`` = (ahead - behind)/lambda_0.
-        NaN when no tine is in the picture.
+        As of `jump_across`; NaN when no tine is in the picture.
     """
     m = measurement
-    value, value_sd = lambda_0 or (1 / m.pitch, m.pitch_sd / m.pitch**2)
-    sign = 1.0 if m.handedness == "right" else -1.0
+    value = lambda_0 or (np.sign(m.total_link) / m.pitch, m.pitch_sd / m.pitch**2)
     tine = float("nan") if m.tine is None else m.tine
-    end = float(m.phase["s"].iloc[-1])
-    behind, behind_sd = _mean(m, 0.0, tine, from_end=True)
-    ahead, ahead_sd = _mean(m, tine, end, from_end=False)
-    jump = sign * (ahead - behind) / value
-    sd = float(np.hypot(np.hypot(behind_sd, ahead_sd), jump * value_sd)) / value
-    return {
-        "tine": tine,
-        "lambda_0": value,
-        "lambda_0_sd": value_sd,
-        "behind": sign * behind,
-        "behind_sd": behind_sd,
-        "ahead": sign * ahead,
-        "ahead_sd": ahead_sd,
-        "jump": jump,
-        "jump_sd": sd,
-    }
+    return jump_across(partial(mean_link, m), tine, float(m.phase["s"].iloc[-1]), value)
+
+
+def first_link(measurement: HelixMeasurement) -> tuple[float, float]:
+    """Link density of a photograph of the helix before combing, and its sd (`link_before`)."""
+    return link_before(partial(mean_link, measurement), float(measurement.phase["s"].iloc[-1]))
+
+
+def mean_link(m: HelixMeasurement, start: float, end: float) -> tuple[float, float]:
+    """Mean link density and its sd between two arclengths, whatever is resolved between them.
+
+    Turns between the first and the last resolved place are those of the phase. Towards an end that
+    is not resolved it goes on at the same pace, which may be anything from none to the double (an
+    sd of 1/sqrt(3) of it), or from crossing to crossing, known to half a turn at either end of the
+    stretch (an sd of 1/sqrt(24) turn): whichever is known better.
+    """
+    table, length = m.phase, end - start
+    s = table.loc[table["s"].between(start, end) & table["resolved"], "s"].to_numpy()
+    if len(s) < 2:
+        return _by_crossings(m, start, end) / length, HALF_TURN_SD / length
+    pace, pace_sd = m.mean_link(float(s[0]), float(s[-1]))
+    seen, step = float(s[-1] - s[0]), 1.5 * float(table["s"].diff().max())
+    turns, parts = pace * seen, [pace_sd * seen]
+    for a, b in ((start, s[0]), (s[-1], end)):
+        sd = abs(pace) * (b - a) / np.sqrt(3)
+        if b - a <= step or sd < HALF_TURN_SD:
+            turns += pace * (b - a)
+            parts.append(sd if b - a > step else 0.0)
+        else:
+            turns += _by_crossings(m, a, b)
+            parts.append(HALF_TURN_SD)
+    return turns / length, float(np.linalg.norm(parts)) / length
+
+
+def _by_crossings(m: HelixMeasurement, start: float, end: float) -> float:
+    """Return the turns between two arclengths, the phase straight from crossing to crossing."""
+    if m.crossings.empty:
+        return 0.0
+    table = m.crossings.sort_values("s")
+    first, last = np.interp([start, end], table["s"], table["phi"])
+    return float(last - first) / (2 * np.pi)
 
 
 def kymograph(sequence: HelixSequence, points: int = 200) -> tuple[Array, Array, Array]:
@@ -154,20 +243,3 @@ def kymograph(sequence: HelixSequence, points: int = 200) -> tuple[Array, Array,
     frames = [group for _, group in table.groupby(["x", "frame"])]
     rows = [np.interp(s, g["s"], g["change"], left=np.nan, right=np.nan) for g in frames]
     return np.array([float(g["x"].iloc[0]) for g in frames]), s, np.array(rows)
-
-
-def _mean(m: HelixMeasurement, start: float, end: float, *, from_end: bool) -> tuple[float, float]:
-    """Mean link density between two arclengths, from the resolved stretch nearest to one end."""
-    if not end > start:
-        return float("nan"), float("nan")
-    table = m.phase
-    inside = ((table["s"] > start) & (table["s"] < end) & table["resolved"]).to_numpy()
-    runs = np.flatnonzero(np.diff(np.r_[0, inside.astype(int), 0])).reshape(-1, 2)
-    if len(runs):
-        a, b = runs[-1 if from_end else 0]
-        if b - a > 1:
-            s = table["s"].to_numpy()
-            return m.mean_link(float(s[a]), float(s[b - 1]))
-    crossings = m.crossings[(m.crossings["s"] > start) & (m.crossings["s"] < end)]
-    turns = float(crossings["sense"].sum()) / 2
-    return turns / (end - start), 1 / np.sqrt(24) / (end - start)

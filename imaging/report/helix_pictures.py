@@ -67,8 +67,8 @@ def link_figure(measured: HelixMeasurement) -> Figure:
 def sequence_figure(sequence: HelixSequence) -> Figure:
     """Change of link density along the axis for every tine position (the paper's Fig. 2e).
 
-    Behind a tine, where nothing is resolved along the axis, the mean of the stretch is dashed,
-    with its 95 % interval.
+    Where nothing is resolved over the pitch behind a tine, the mean there is dashed, with its 95 %
+    interval.
     """
     figure = Figure(figsize=(7, 4), layout="constrained")
     axes = figure.subplots()
@@ -128,12 +128,14 @@ def _band(axes, s, value, sd, **style) -> None:  # type: ignore[no-untyped-def]
 
 
 def _mean_behind(axes, frame, jump, factor, colour) -> None:  # type: ignore[no-untyped-def]
-    """Draw the mean change between root and tine where the profile itself is not resolved."""
-    behind = frame["s"] < jump["tine"]
+    """Draw the mean change over the pitch behind the tine where nothing is resolved there."""
+    end = jump["tine"] - jump["reach"]
+    start = max(end - 1 / jump["lambda_0"], 0.0)
+    behind = frame["s"].between(start, end)
     if frame["change"][behind].notna().any() or not np.isfinite(jump["behind"]):
         return
     mean, sd = jump["behind"] / jump["lambda_0"] - 1, jump["behind_sd"] / jump["lambda_0"]
-    span = [0.0, factor * jump["tine"]]
+    span = [factor * start, factor * end]
     axes.plot(span, [mean, mean], color=colour, ls="--", lw=1)
     axes.fill_between(span, mean - 1.96 * sd, mean + 1.96 * sd, color=colour, alpha=0.15, lw=0)
 

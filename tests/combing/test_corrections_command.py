@@ -8,17 +8,8 @@ import pandas as pd
 import pytest
 from drawn.waves import photographed, waves
 
-from combing.cli import main
 from combing.compare.curl import measure_curl
 from combing.study import CurlSet
-
-
-def run(*args: object) -> int:
-    try:
-        main([str(arg) for arg in args])
-    except SystemExit as leaving:
-        return int(leaving.code or 0)
-    return 0
 
 
 @pytest.fixture
@@ -35,7 +26,7 @@ def deleting(which: int, **more) -> str:
     return json.dumps({"format": "combing corrections", "version": 1, "steps": [step], **more})
 
 
-def test_the_file_beside_is_picked_up_and_told(photo, tmp_path, capsys):
+def test_the_file_beside_is_picked_up_and_told(photo, tmp_path, capsys, run):
     out = tmp_path / "out"
     assert run("photo", photo, "-o", out, "--quiet") == 0
     assert pd.read_csv(out / "strands.csv")["strand"].max() == 3
@@ -58,7 +49,7 @@ def test_the_file_beside_is_picked_up_and_told(photo, tmp_path, capsys):
     assert pd.read_csv(out / "strands.csv")["strand"].max() == 3
 
 
-def test_another_file_the_number_and_colours(photo, tmp_path, capsys):
+def test_another_file_the_number_and_colours(photo, tmp_path, capsys, run):
     other = tmp_path / "other.json"
     other.write_text(deleting(0, strands=3))
     assert run("photo", photo, "-o", tmp_path / "out", "--corrections", other, "--quiet") == 0
@@ -71,7 +62,7 @@ def test_another_file_the_number_and_colours(photo, tmp_path, capsys):
     assert "2 strands" in capsys.readouterr().out
 
 
-def test_wrong_requests_end_in_one_line(photo, tmp_path, capsys):
+def test_wrong_requests_end_in_one_line(photo, tmp_path, capsys, run):
     said = photo.with_name("waves.png.corrections.json")
     said.write_text(deleting(0).replace("delete", "remove"))
     other = photo.with_name("b.png")

@@ -11,18 +11,9 @@ import pytest
 from drawn.waves import off, photographed, waves
 
 import imaging
-from combing.cli import main
 from imaging import Corrections
 from imaging.correct.schema import Delete
 from imaging.trace.centreline import resample
-
-
-def run(*args: object) -> int:
-    try:
-        main([str(arg) for arg in args])
-    except SystemExit as leaving:
-        return int(leaving.code or 0)
-    return 0
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +32,7 @@ def chromium(tmp_path_factory):
 
 
 @pytest.fixture
-def page(photo, chromium, capsys):
+def page(photo, chromium, capsys, run):
     """Open the page of the waves anew."""
     said = photo.with_name("waves.png.corrections.json")
     said.unlink(missing_ok=True)
@@ -197,7 +188,7 @@ def test_name_ground_colours_and_the_number(page, photo):
     assert [one.outcome for one in found.hand.outcomes] == ["applied", "already so"]
 
 
-def test_a_page_goes_on_from_what_was_said(page, photo, capsys):
+def test_a_page_goes_on_from_what_was_said(page, photo, capsys, run):
     page.click(*free_place(page, 1))
     page.key("x")
     before = state(page)
@@ -239,7 +230,7 @@ def test_a_page_fetches_nothing(page):
     assert all(url.startswith(("file:", "data:", "blob:")) for url in page.requests)
 
 
-def test_a_folder_is_linked_page_to_page(photo, tmp_path, capsys):
+def test_a_folder_is_linked_page_to_page(photo, tmp_path, capsys, run):
     folder = tmp_path / "session"
     folder.mkdir()
     for name in ("frame_2.png", "frame_10.png"):
@@ -256,7 +247,7 @@ def test_a_folder_is_linked_page_to_page(photo, tmp_path, capsys):
     assert "cut.png" not in text
 
 
-def test_wrong_requests_end_in_one_line(photo, tmp_path, capsys):
+def test_wrong_requests_end_in_one_line(photo, tmp_path, capsys, run):
     wrong = photo.with_name("waves.png.corrections.json")
     wrong.write_text("{")
     assert run("edit", photo) == 2

@@ -20,14 +20,6 @@ FILES = {
 }  # fmt: skip
 
 
-def run(*args: object) -> int:
-    try:
-        main([str(arg) for arg in args])
-    except SystemExit as leaving:
-        return int(leaving.code or 0)
-    return 0
-
-
 @pytest.fixture(scope="module")
 def pictures(tmp_path_factory) -> Path:
     """Two photographs of three strands, and three files that cannot be measured."""
@@ -47,7 +39,7 @@ def pictures(tmp_path_factory) -> Path:
     return folder
 
 
-def test_one_photograph(pictures, tmp_path, capsys):
+def test_one_photograph(pictures, tmp_path, capsys, run):
     out = tmp_path / "out"
     assert run("photo", pictures / "a.png", "-o", out, "--scale", "10px/mm", "--quiet") == 0
     assert {path.name for path in out.iterdir()} - {"rois.zip"} == FILES
@@ -66,7 +58,7 @@ def test_one_photograph(pictures, tmp_path, capsys):
     assert f"3 strands, {len(crossings)} crossings" in capsys.readouterr().out
 
 
-def test_without_a_scale_nothing_is_in_metres(pictures, tmp_path):
+def test_without_a_scale_nothing_is_in_metres(pictures, tmp_path, run):
     assert run("photo", pictures / "a.png", "-o", tmp_path, "--n-sec", 5, "--quiet") == 0
     for name in ("strands.csv", "crossings.csv", "interactions.csv", "densities.csv"):
         table = pd.read_csv(tmp_path / name)
@@ -74,7 +66,7 @@ def test_without_a_scale_nothing_is_in_metres(pictures, tmp_path):
     assert pd.read_csv(tmp_path / "interactions.csv")["section"].max() == 5
 
 
-def test_every_column_is_explained(pictures, tmp_path):
+def test_every_column_is_explained(pictures, tmp_path, run):
     run("photo", pictures / "a.png", "-o", tmp_path, "--scale", "filament:0.8mm", "--quiet")
     explained = (tmp_path / "DATA.md").read_text()
     words = {word.strip(" ,") for word in explained.replace("|", " ").split()}
@@ -83,7 +75,7 @@ def test_every_column_is_explained(pictures, tmp_path):
             assert column in words, column
 
 
-def test_a_batch_goes_on_and_says_what_was_refused(pictures, tmp_path, capsys):
+def test_a_batch_goes_on_and_says_what_was_refused(pictures, tmp_path, capsys, run):
     assert run("photo", pictures, "-o", tmp_path, "--quiet", "--json") == 0
     rows = {row["photo"]: row for row in json.loads(capsys.readouterr().out)}
     assert rows["a.png"]["strands"] == rows["b.png"]["strands"] == 3
@@ -95,7 +87,7 @@ def test_a_batch_goes_on_and_says_what_was_refused(pictures, tmp_path, capsys):
     assert (tmp_path / "kymograph.png").stat().st_size > 1000
 
 
-def test_a_batch_takes_up_where_it_stopped(pictures, tmp_path):
+def test_a_batch_takes_up_where_it_stopped(pictures, tmp_path, run):
     args = ("photo", pictures / "a.png", pictures / "b.png", "-o", tmp_path, "--quiet")
     assert run(*args) == 0
     first = {p: p.stat().st_mtime_ns for p in tmp_path.glob("*/strands.csv")}
@@ -122,7 +114,7 @@ def test_a_batch_takes_up_where_it_stopped(pictures, tmp_path):
     ],
 )
 def test_a_mistake_is_one_line_and_leaves_nothing(
-    pictures, tmp_path, capsys, name, options, reason
+    pictures, tmp_path, capsys, name, options, reason, run
 ):
     assert run("photo", pictures / name, "-o", tmp_path / "out", "--quiet", *options) == 2
     told = capsys.readouterr().err.strip()
@@ -131,13 +123,13 @@ def test_a_mistake_is_one_line_and_leaves_nothing(
     assert not list((tmp_path / "out").glob("*")) if (tmp_path / "out").exists() else True
 
 
-def test_help_shows_an_example(capsys):
+def test_help_shows_an_example(capsys, run):
     assert run("photo", "--help") == 0
     told = capsys.readouterr().out
     assert "\n    combing photo curl.jpg --scale marker:20mm -o out/\n" in told
 
 
-def test_a_twisted_pair_beside_a_marker_is_two_strands(tmp_path):
+def test_a_twisted_pair_beside_a_marker_is_two_strands(tmp_path, run):
     """The marker is no strand, whether or not the scale is taken from it."""
     photo = Path(__file__).parents[2] / "data" / "photos" / "synthetic_helix_before.jpg"
     assert run("photo", photo, "-o", tmp_path, "--quiet") == 0
@@ -154,12 +146,12 @@ def test_a_twisted_pair_beside_a_marker_is_two_strands(tmp_path):
     )
 
 
-def test_a_photograph_that_cannot_be_measured_leaves_no_folder(pictures, tmp_path):
+def test_a_photograph_that_cannot_be_measured_leaves_no_folder(pictures, tmp_path, run):
     assert run("photo", pictures / "dot.png", "-o", tmp_path / "out") == 2
     assert not (tmp_path / "out").exists()
 
 
-def test_another_mask_is_another_measurement(pictures, tmp_path, capsys):
+def test_another_mask_is_another_measurement(pictures, tmp_path, capsys, run):
     mask = tmp_path / "mask.png"
     args = ("photo", pictures / "a.png", "-o", tmp_path / "out", "--ignore", mask, "--json")
     kept = []
@@ -187,7 +179,7 @@ def test_a_defect_of_ours_stops_no_batch_and_is_not_hidden(pictures, tmp_path, m
     assert (tmp_path / "out" / "b" / "provenance.json").exists()
 
 
-def test_the_record_says_what_was_measured_and_how(pictures, tmp_path):
+def test_the_record_says_what_was_measured_and_how(pictures, tmp_path, run):
     photo = pictures / "a.png"
     assert run("photo", photo, "-o", tmp_path, "--scale", "10px/mm+-2%", "--n-sec", 8) == 0
     record = json.loads((tmp_path / "provenance.json").read_text())

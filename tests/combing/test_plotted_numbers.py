@@ -216,6 +216,8 @@ def seen(link, sd, photo):
     table = pd.DataFrame({"s": s, "link": np.full(41, link), "sd": np.full(41, sd)})
     table.attrs = {"photo": photo, "resolution": 0.005, "lean": 0.1, "warnings": []}
     table.attrs |= {"synthetic": False, "total_link": 0.1 * link, "R": 4e-4, "r": 4e-4}
+    none = {"jump": np.nan, "behind": np.nan}
+    table.attrs |= {"first": (link, sd), "jump": lambda lambda_0: none}
     return table
 
 

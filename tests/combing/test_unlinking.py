@@ -1,16 +1,23 @@
 """Link on both sides of a tine, on pairs whose answer is known."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
+import imaging
+import sim
 from combing.compare.link_change import changes
 from combing.errors import UserError
 from combing.study import LinkSet
+from combing.tables import read_table
 from combing.unlinking import combing_ends, link_change, link_facts, link_history, tine_place
+from combing.virtual_lab.photographs import smooth
+from imaging.scale import from_marker
 
+DATA = Path(__file__).parents[2] / "data"
 PITCH, R, TURNS = 0.008, 4e-4, 12
 HEIGHT = PITCH * TURNS
 
@@ -95,7 +102,7 @@ def test_the_tine_is_where_the_strands_meet_it_first():
 def test_facts_of_a_history_that_is_known():
     x = np.linspace(0, 1, 201)
     history = pd.DataFrame({"x": x, "force": x, "excess": x**2, "near": 100 + 50 * x})
-    history = history.assign(jump=np.minimum(x, 0.6), behind=20.0, turns=20 - 19 * x)
+    history = history.assign(jump=np.minimum(x, 0.6), stays=20.0, turns=20 - 19 * x)
     history.attrs = {"lambda_0": -100.0}
     facts = link_facts(history, [0.902])
     assert facts["force_and_excess"] == pytest.approx(1)
@@ -118,16 +125,55 @@ def test_what_is_no_combing_of_a_pair_is_refused():
 def test_changes_of_photographs_are_relative_to_the_one_before():
     before, seen = (
         pd.DataFrame({"s": [0.01, 0.02], "link": link, "sd": [5.0, 5.0]})
-        for link in ([100.0, 100.0], [50.0, 130.0])
+        for link in ([90.0, 90.0], [50.0, 130.0])
     )
-    seen.attrs["sides"] = {
-        "tine": 0.015, "jump": 1.0, "behind": 40.0, "behind_sd": 3.0, "ahead": 120.0,
-        "ahead_sd": 4.0,
-    }  # fmt: skip
+    asked = []
+
+    def jump(lambda_0):
+        asked.append(lambda_0)
+        return {"tine": 0.018, "reach": 0.0025, "behind": 40.0, "behind_sd": 3.0, "jump": 0.8,
+                "jump_sd": 0.05}  # fmt: skip
+
+    before.attrs["first"], seen.attrs["jump"] = (100.0, 1.0), jump
     chosen = LinkSet.model_construct(name="a", combed=0.1)
     table = changes(chosen, before, [seen], [0.03], None).set_index("curve")
+    assert asked == [(100.0, 1.0)]
     assert list(table.loc["profile", "change"]) == pytest.approx([-0.5, 0.3])
     assert list(table.loc["profile", "sd"]) == pytest.approx([0.05, 0.05])
     assert table.loc["jump", ["x", "change", "sd"]].tolist() == pytest.approx([0.3, 0.8, 0.05])
     assert table.loc["behind", "change"].tolist() == pytest.approx([-0.6, -0.6])
-    assert table.loc["behind", "s"].tolist() == [0.0, 0.015]
+    assert table.loc["behind", "sd"].tolist() == pytest.approx([0.03, 0.03])
+    assert table.loc["behind", "s"].tolist() == pytest.approx([0.0055, 0.0155])
+
+
+class Photographed(Combing):
+    """The run that the virtual lab photographed, before the tine and at its fourth place."""
+
+    def __init__(self):
+        super().__init__()
+        self.scene = sim.load_scene(DATA / "scenes" / "double_helix.toml")
+        places = read_table(DATA / "photos" / "synthetic_helix_positions.csv", ["photo", "d"])
+        there = places.loc[places["photo"] == "synthetic_helix_4.jpg", "d"]
+        self.displacements = np.array([0.0, float(there.iloc[0])])
+
+    def strands(self, snapshot=-1):
+        shot = ("synthetic_helix_before", "synthetic_helix_4")[snapshot]
+        with np.load(DATA / "truth" / "synthetic_strands.npz") as truth:
+            return [smooth(truth[f"{shot}/{number}"]) for number in (1, 2)]
+
+
+def test_a_run_and_its_photographs_have_the_same_jump():
+    photographed = {}
+    for shot in ("before", "4"):
+        picture = imaging.read_photo(DATA / "photos" / f"synthetic_helix_{shot}.jpg")
+        scale, photo = from_marker(picture, 0.008)
+        photographed[shot] = imaging.helix(photo, scale=scale)
+    history = link_history(Photographed())
+    before = imaging.first_link(photographed["before"])
+    seen = imaging.link_jump(photographed["4"], before)
+    assert abs(before[0] - history.attrs["lambda_0"]) < 1.96 * before[1]
+    there = history.iloc[-1]
+    for side in ("behind", "ahead", "jump"):
+        assert abs(seen[side] - there[side]) < 1.96 * seen[f"{side}_sd"]
+    assert there["jump"] == pytest.approx(1.353, abs=0.01)  # by the strands' topology
+    assert seen["jump_sd"] < 0.35

@@ -9,7 +9,13 @@ from scipy.spatial import cKDTree
 
 from imaging import Photo, Segmentation, Unmeasurable, read_photo
 from imaging.helix import helix
-from imaging.helix.sequence import helix_sequence, kymograph, link_jump
+from imaging.helix.sequence import (
+    helix_sequence,
+    jump_across,
+    kymograph,
+    link_before,
+    link_jump,
+)
 from imaging.report.helix_pictures import (
     draw_helix_overlay,
     kymograph_figure,
@@ -62,9 +68,56 @@ def test_the_tine_is_found(sequence):
 
 
 def test_the_jump_across_the_tine(sequence):
-    np.testing.assert_allclose(sequence.jumps["behind"] * PITCH, [0.8, 0.7], rtol=0.02)
-    np.testing.assert_allclose(sequence.jumps["ahead"] * PITCH, [1.1, 1.3], rtol=0.02)
-    np.testing.assert_allclose(sequence.jumps["jump"], [0.3, 0.6], atol=0.03)
+    """Over a pitch beyond a quarter of one: the strands are spread, unwound, over 0.15 of it."""
+    jumps = sequence.jumps
+    for side, wound in (("behind", [0.8, 0.7]), ("ahead", [1.1, 1.3])):
+        apart = jumps[side] * PITCH - 0.85 * np.array(wound)
+        np.testing.assert_allclose(apart, 0, atol=0.15)  # half-turns: an sd of 0.2
+        assert (apart.abs() < 1.96 * jumps[f"{side}_sd"] * PITCH).all()
+    apart = jumps["jump"] - 0.85 * np.array([0.3, 0.6])
+    np.testing.assert_allclose(apart, 0, atol=0.15)
+    assert (apart.abs() < 1.96 * jumps["jump_sd"]).all()
+    assert (jumps["jump_sd"] < 0.3).all()
+
+
+def stepped(start, end):
+    """Mean of 100/m up to 0.05 m, 500/m for 2 mm on either side of it, 150/m beyond."""
+    edges = np.array([0.0, 0.048, 0.052, 0.2])
+    turns = np.cumsum([0.0, 0.048 * 100, 0.004 * 500, 0.148 * 150])
+    return float(np.diff(np.interp([start, end], edges, turns))[0]) / (end - start), 3.0
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_jump_is_that_of_the_means_over_a_pitch_beyond_the_tines_reach(sense):
+    def mean(start, end):
+        value, sd = stepped(start, end)
+        return sense * value, sd
+
+    found = jump_across(mean, 0.05, 0.2, (sense * 100.0, 2.0))
+    assert found["reach"] == pytest.approx(0.0025)
+    assert (found["behind"], found["ahead"]) == pytest.approx((100, 150))
+    assert found["jump"] == pytest.approx(0.5)
+    assert found["jump_sd"] == pytest.approx(np.sqrt(3**2 + 3**2 + (0.5 * 2) ** 2) / 100)
+    nearer = jump_across(mean, 0.05, 0.2, (sense * 100.0, 2.0), reach=0.001)
+    assert nearer["behind"] == pytest.approx((0.009 * 100 + 0.001 * 500) / 0.01)
+    assert nearer["ahead"] == pytest.approx((0.009 * 150 + 0.001 * 500) / 0.01)
+
+
+def test_no_jump_where_less_than_half_a_pitch_is_left():
+    for tine, side in ((0.0070, "behind"), (0.1930, "ahead")):
+        near = jump_across(stepped, tine, 0.2, (100.0, 1.0))
+        assert np.isnan(near[side])
+        assert np.isnan(near["jump"])
+    there = jump_across(stepped, 0.0076, 0.2, (100.0, 1.0))
+    assert there["jump"] == pytest.approx(0)
+
+
+def test_the_link_before_leaves_a_pitch_out_at_either_end():
+    def mean(start, end):
+        edges, turns = [0.0, 0.01, 0.19, 0.2], np.cumsum([0.0, 0.4, 18.0, 0.2])
+        return float(np.diff(np.interp([start, end], edges, turns))[0]) / (end - start), 1.0
+
+    assert link_before(mean, 0.2) == pytest.approx((100.0, 1.0))
 
 
 def test_nothing_is_claimed_where_the_strands_are_spread(sequence):

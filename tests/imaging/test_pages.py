@@ -9,7 +9,6 @@ import tifffile
 from drawn.strands import render
 from PIL import Image
 
-from combing.cli import main
 from imaging import Unmeasurable, read_photo
 from imaging.correct import beside
 from imaging.photo.pages import pages_of
@@ -145,14 +144,6 @@ def _scene(seed: int) -> np.ndarray:
     ).pixels
 
 
-def run(*args: object) -> int:
-    try:
-        main([str(arg) for arg in args])
-    except SystemExit as leaving:
-        return int(leaving.code or 0)
-    return 0
-
-
 @pytest.fixture
 def stack(tmp_path):
     """Three pages, the second black."""
@@ -163,7 +154,7 @@ def stack(tmp_path):
     return path
 
 
-def test_command_measures_each_page(stack, tmp_path, capsys):
+def test_command_measures_each_page(stack, tmp_path, capsys, run):
     out = tmp_path / "out"
     assert run("photo", stack, "-o", out, "--quiet") == 0
     told = capsys.readouterr().out
@@ -186,7 +177,7 @@ def test_command_measures_each_page(stack, tmp_path, capsys):
     assert "(2 of them before" in capsys.readouterr().out
 
 
-def test_a_stack_that_is_cut_reports_the_page(stack, tmp_path, capsys):
+def test_a_stack_that_is_cut_reports_the_page(stack, tmp_path, capsys, run):
     with tifffile.TiffFile(stack) as tiff:
         last = tiff.pages[2].offset
     stack.write_bytes(stack.read_bytes()[:last])
@@ -196,13 +187,13 @@ def test_a_stack_that_is_cut_reports_the_page(stack, tmp_path, capsys):
     assert "page 3: cannot be read as a picture" in told
 
 
-def test_corrections_of_a_whole_stack_are_refused(stack, tmp_path, capsys):
+def test_corrections_of_a_whole_stack_are_refused(stack, tmp_path, capsys, run):
     stack.with_name("stack.tif.corrections.json").write_text("{}")
     assert run("photo", stack, "-o", tmp_path / "out", "--quiet") != 0
     assert "'stack.tif, page 1.corrections.json'" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", ["helix", "edit"])
-def test_commands_of_one_photograph_say_how_to_choose(stack, tmp_path, capsys, command):
+def test_commands_of_one_photograph_say_how_to_choose(stack, tmp_path, capsys, command, run):
     assert run(command, stack, "-o", tmp_path / "out", "--quiet") != 0
     assert "holds 3 pictures, one a page; export the one" in capsys.readouterr().err
