@@ -34,7 +34,8 @@ def draw_change(table: pd.DataFrame, *, synthetic: bool) -> Figure:
     table = table.assign(place=table["x"] if scaled else table["d"] * METRE_TO_MM)
     name = "$x = d/D$" if scaled else "$d$ (mm)"
     profiles = table[table["curve"] == "profile"]
-    norm = Normalize(0, 1 if scaled else profiles["place"].max())
+    end = 1.0 if scaled else float(table["place"].max())
+    norm = Normalize(0, end)
     shades = mpl.colormaps["viridis"]
     with paper_style():
         figure = Figure(figsize=(WIDTH, 2.1 * len(sources) + 0.5), layout="constrained")
@@ -47,6 +48,7 @@ def draw_change(table: pd.DataFrame, *, synthetic: bool) -> Figure:
             _profiles(left, own, lambda place: shades(0.92 * float(norm(place))))
             _jumps(right, table[(table["curve"] == "jump") & (table["source"] == source)], source)
             left.set_title(source, loc="left")
+            right.set_xlim(0, 1.02 * end)
         _limits(grid[0][0], profiles)
         grid[-1][0].set_xlabel("$s$ (mm)")
         grid[-1][1].set_xlabel(name)

@@ -2,7 +2,7 @@
 
 import tomllib
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -13,6 +13,7 @@ from combing.study.sets import Table
 from combing.study.study import Study
 
 T = TypeVar("T", bound=Table)
+LOGS = {"force": "logs", "sweep": "logs", "link": "log"}  # what a set's rig is for
 
 
 def load_study(path: Path) -> Study:
@@ -61,6 +62,19 @@ def _load(path: Path, model: type[T]) -> T:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise StudyError(f"{path}: not TOML: {error}") from error
     try:
+        content = _with_rig(content, path)
         return model.model_validate(content, context={"folder": path.parent.resolve()})
     except ValidationError as error:
         raise StudyError(f"{path}: {fault(error, model)}") from error
+
+
+def _with_rig(content: dict[str, Any], path: Path) -> dict[str, Any]:
+    """Name the file's own table [rig] in every set of logs that names no rig."""
+    if not isinstance(content.get("rig"), dict):
+        return content
+    sets = [one for kind, logs in LOGS.items() for one in content.get(kind, []) if logs in one]
+    if not sets:
+        raise StudyError(f"{path}: [rig]: there is no set with logs that need it")
+    for one in sets:
+        one.setdefault("rig", path.name)
+    return {key: value for key, value in content.items() if key != "rig"}

@@ -124,7 +124,7 @@ class Rig(BaseModel):
 
 
 def load_rig(path: str | Path) -> Rig:
-    """Read a rig from a TOML file.
+    """Read a rig from a TOML file: all of it, or its table ``[rig]`` where it has one.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def load_rig(path: str | Path) -> Rig:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise RigError(f"{path}: not valid TOML: {error}") from None
     try:
-        return Rig(**table)
+        return Rig(**table.get("rig", table))
     except ValidationError as error:
         raise RigError(f"{path}: {_sentence(error)}") from None
 

@@ -2,6 +2,7 @@
 
 import pytest
 
+import instron
 from combing.errors import UserError
 from combing.study import StudyError, load_study, tine_positions
 
@@ -85,3 +86,21 @@ def test_a_wrong_study_gets_one_clear_line(write, text, message):
 def test_a_missing_study_is_named(tmp_path):
     with pytest.raises(StudyError, match="no such study file"):
         load_study(tmp_path / "none.toml")
+
+
+def test_a_study_may_hold_the_rig_of_its_logs(tmp_path):
+    (tmp_path / "a.csv").write_text("x")
+    text = 'title = "t"\n[rig]\nr = 4e-4\nE = 1e9\n[[force]]\nname = "a"\nlogs = "a.csv"\n'
+    (tmp_path / "study.toml").write_text(text)
+    (one,) = load_study(tmp_path / "study.toml").force
+    rig = instron.load_rig(one.rig)
+    assert (rig.r, rig.E) == (4e-4, 1e9)
+    (tmp_path / "own.toml").write_text("B = 1e-6\n")
+    (tmp_path / "study.toml").write_text(text + 'rig = "own.toml"\n')
+    assert load_study(tmp_path / "study.toml").force[0].rig.name == "own.toml"
+
+
+def test_a_rig_that_no_set_needs_is_told(tmp_path):
+    (tmp_path / "study.toml").write_text('title = "t"\n[rig]\nr = 4e-4\nE = 1e9\n')
+    with pytest.raises(StudyError, match=r"study.toml: \[rig\]: there is no set with logs"):
+        load_study(tmp_path / "study.toml")
