@@ -11,15 +11,17 @@ from imaging.helix.axis import Axis
 from imaging.helix.count import HalfTurns
 from imaging.helix.edges import Edges
 from imaging.helix.fit import TUKEY, Fit, miss, worse
+from imaging.helix.lean import LEANING, is_told, length_sd, mean_lean, said_of_lean, upright
 from imaging.helix.model import Model
 from imaging.helix.space import heading, in_space, link_beyond_phase, sine_of_lean
 from imaging.helix.splines import basis
 
 Array = np.ndarray
 Mask = np.ndarray
-STEEP = np.radians(5.0)  # a lean out of the picture that the user should hear of
 NEAR_END_ON = np.radians(45.0)  # a lean that foreshortens too much to be measured
-SHADING = 0.05  # px; by which shading moves edges alike at every crossing (measured on drawings)
+# What lights unlike those the model knows do to edges and the radius (helix_unlike.py):
+TURNING = 0.2  # px; edges at either end of a stretch whose turns are counted
+WIDENING = 0.02, 0.2  # R, of itself and px
 MISFIT = 0.15  # strand radii; where outer edges miss the outline by more, the phase is another
 LOST = 0.05  # strand radii beyond noise; edges that miss the outline by more are not explained
 THROUGH = 0.75  # strand radii; strands closer to the axis would go through each other
@@ -51,8 +53,9 @@ class HelixMeasurement:
     R, R_sd, r, pitch, pitch_sd : float
         Typical helix radius, strand radius, and pitch (1 / mean link density).
     lean, lean_sd : float
-        Mean angle [rad] by which the axis leaves the picture, tip away from the viewer; lengths are
-        corrected for the angle at each place.
+        Mean angle [rad] by which the axis leaves the picture, tip away from the viewer. Lengths are
+        corrected for the angle at each place; where the mean is not told (within two sd of none,
+        or a strand radius below 6 px) it is left out of that and counted in their sd.
     resolution : float
         Length over which the link density is in effect averaged.
     tine : float or None
@@ -92,6 +95,12 @@ class HelixMeasurement:
         """Axis (n, 2) in the picture [px], root to tip."""
         return self.phase[["x", "y"]].to_numpy()
 
+    @property
+    def length_sd(self) -> float:
+        """Relative sd that all lengths have in common: of the scale, the lean and the shading."""
+        turns = self.total_link_sd / self.total_link
+        return float(np.sqrt(max((self.pitch_sd / self.pitch) ** 2 - turns**2, 0.0)))
+
     def mean_link(self, start: float, end: float) -> tuple[float, float]:
         """Mean link density and its sd between two arclengths, from the phases at both.
 
@@ -107,8 +116,7 @@ class HelixMeasurement:
         else:
             turns = (last["phi"] - first["phi"]) / (2 * np.pi)
             sd = float(np.hypot(first["sd"], last["sd"])) / (2 * np.pi)
-        # The pitch's sd holds that of lengths: scale, lean and shading.
-        return turns / length, float(np.hypot(sd, turns * self.pitch_sd / self.pitch)) / length
+        return turns / length, float(np.hypot(sd, turns * self.length_sd)) / length
 
 
 @dataclass(frozen=True)
@@ -154,18 +162,22 @@ def measurement_of(
     """
     model, (per_pixel, scale_sd, unit) = fitted.model, scale
     t = np.arange(0.0, model.axis.s[-1], max(start.r, 2.0))
-    arc = per_pixel * in_space(model)[0]
-    s = np.interp(t, model.table.s, arc)
     resolved = _resolved(t, fitted, edges, valid, start)
     if np.count_nonzero(resolved) < 2:
         raise Unmeasurable(
             "nowhere do the edges that can be seen follow two strands wound round each other"
         )
-    lean, lean_sd = _lean(fitted, t[resolved])
+    lean, lean_sd = mean_lean(fitted, t[resolved])
+    told, strands = is_told(lean, lean_sd, start.r), _centrelines(model, t, resolved)
+    fitted = fitted if told else upright(fitted, lean)
+    untold, model = None if told else lean, fitted.model
+    said = said_of_lean(np.arcsin(sine_of_lean(model, t[resolved])), lean, lean_sd, told=told)
+    arc = per_pixel * in_space(model)[0]
+    s = np.interp(t, model.table.s, arc)
     # Where the model misses the edges its errors do not average along them, as noise does.
     wider = worse(model, fitted.residual, edges, t)
     phase = _phase_table(fitted, t, s, resolved, per_pixel, wider)
-    link = _link_table(fitted, t, s, resolved, per_pixel, scale_sd, wider)
+    link = _link_table(fitted, t, s, resolved, per_pixel, scale_sd, wider, untold)
     phase.attrs |= {"unit": unit, "knot_s": t}
     link.attrs |= {"unit": unit, "resolution": _resolution(fitted, s, resolved)}
     return HelixMeasurement(
@@ -177,12 +189,12 @@ def measurement_of(
         lean_sd=lean_sd,
         resolution=link.attrs["resolution"],
         unit=unit,
-        warnings=tuple(_warnings(start, fitted, t, s, resolved, unit)),
-        strands=_centrelines(model, t, resolved),
+        warnings=(*said, *_warnings(start, fitted, s, resolved, unit)),
+        strands=strands,
         fit=fitted,
         length_per_pixel=per_pixel,
         r=float(model.part("radii").mean() * per_pixel),
-        **_typical(phase, fitted, float(np.hypot(scale_sd, _stretch_sd(lean, lean_sd)))),
+        **_typical(phase, fitted, float(np.hypot(scale_sd, length_sd(lean, lean_sd, untold)))),
     )
 
 
@@ -211,25 +223,6 @@ def _centrelines(model: Model, t: Array, resolved: Mask) -> tuple[Array, Array]:
         for c in model.table.strands
     )
     return a, b
-
-
-def _lean(fitted: Fit, t: Array) -> tuple[float, float]:
-    """Mean angle out of the picture and its sd, which holds what shading may do to the edges."""
-    where = fitted.model.layout.blocks["lean"]
-    mean = basis(fitted.model.layout.lean, t).toarray().mean(axis=0)
-    sine = float(np.clip(mean @ fitted.model.part("lean"), -0.9, 0.9))
-    sd = np.hypot(np.sqrt(mean @ fitted.covariance[where, where] @ mean), _shading(fitted))
-    return float(np.arcsin(sine)), float(sd / np.sqrt(1 - sine**2))
-
-
-def _shading(fitted: Fit) -> float:
-    """Error of the lean's sine that shading may make everywhere alike."""
-    return SHADING / float(np.median(fitted.model.part("R")))
-
-
-def _stretch_sd(lean: float | Array, sd: float | Array) -> Any:
-    """Relative sd of a length divided by the cosine of a lean, to second order."""
-    return np.hypot(np.tan(lean) * sd, np.square(sd) / np.sqrt(2))
 
 
 def _resolved(t: Array, fitted: Fit, edges: Edges, valid: Mask, start: Start) -> Mask:
@@ -283,11 +276,16 @@ def _phase_table(
         "phi": v.phi,
         "sd": wider * _sd(fitted, "phi", t),
         "R": per_pixel * v.R,
-        "R_sd": per_pixel * wider * _sd(fitted, "R", t),
+        "R_sd": per_pixel * np.hypot(wider * _sd(fitted, "R", t), _widening(v.R)),
     })  # fmt: skip
     frame[~resolved] = np.nan
     by = np.where(resolved, "edges", "")
     return frame.assign(s=s, x=points[:, 0], y=points[:, 1], resolved=resolved, by=by)
+
+
+def _widening(R: Array) -> Array:
+    """Error [px] of the helix radius that unlike lights may make."""
+    return np.hypot(WIDENING[0] * R, WIDENING[1])
 
 
 def _link_table(
@@ -298,6 +296,7 @@ def _link_table(
     per_pixel: float,
     scale_sd: float,
     wider: Array,
+    untold: float | None,
 ) -> pd.DataFrame:
     """Link density per length of the axis in space."""
     model, table = fitted.model, fitted.model.table
@@ -307,10 +306,10 @@ def _link_table(
     )
     per_length = 1 / (2 * np.pi * per_pixel * pace)
     sine = sine_of_lean(model, t)
-    lean_sd = np.hypot(wider * _sd(fitted, "lean", t), _shading(fitted)) / np.sqrt(1 - sine**2)
+    lean_sd = np.hypot(wider * _sd(fitted, "lean", t), LEANING) / np.sqrt(1 - sine**2)
     link = np.where(resolved, (model.at(t).dphi + beyond) * per_length, np.nan)
     sd = per_length * np.hypot(wider * _sd(fitted, "phi", t, 1), np.sin(lean_sd) * bend)
-    common = np.hypot(scale_sd, _stretch_sd(np.arcsin(sine), lean_sd))
+    common = np.hypot(scale_sd, length_sd(np.arcsin(sine), lean_sd, untold))
     sd = np.where(resolved, np.hypot(sd, common * link), np.nan)
     return pd.DataFrame({"s": s, "link": link, "sd": sd})
 
@@ -334,7 +333,8 @@ def _turns(fitted: Fit, start: float, end: float) -> tuple[float, float]:
         for along in (heading(model), link_beyond_phase(model))
     )
     turns = float(difference @ model.part("phi") + beyond)
-    return turns, float(np.hypot(np.sqrt(variance), _shading(fitted) * bend))
+    ends = np.sqrt(2) * TURNING / float(np.median(model.part("R"))) / (2 * np.pi)
+    return turns, float(np.hypot(np.hypot(np.sqrt(variance), ends), LEANING * bend))
 
 
 def _resolution(fitted: Fit, s: Array, resolved: Mask) -> float:
@@ -351,11 +351,9 @@ def crossing_table(turns: HalfTurns, s: Array) -> pd.DataFrame:
     )
 
 
-def _warnings(
-    start: Start, fitted: Fit, t: Array, s: Array, resolved: Mask, unit: str
-) -> list[str]:
-    """Say what the numbers do not: gaps, hidden crossings, a leaning axis, poor fit."""
-    said = _leaning(np.arcsin(sine_of_lean(fitted.model, t[resolved])))
+def _warnings(start: Start, fitted: Fit, s: Array, resolved: Mask, unit: str) -> list[str]:
+    """Say what the numbers do not: gaps, hidden crossings, poor fit."""
+    said = []
     if (start.turns.sure == 0).any():
         said.append(
             f"{int((start.turns.sure == 0).sum())} of {len(start.turns.s)} crossings do not show "
@@ -367,18 +365,6 @@ def _warnings(
     if fitted.noise > 0.1 * start.r:
         said.append(f"edges scatter by {fitted.noise:.2f} px about the helix; is it one?")
     return said
-
-
-def _leaning(lean: Array) -> list[str]:
-    if np.abs(lean).max() < STEEP:
-        return []
-    low, high = np.degrees(np.percentile(lean, [0, 100]))
-    longer = 100 * (float(np.mean(1 / np.cos(lean))) - 1)
-    angle = f"{low:+.1f}" if high - low < 1 else f"{low:+.1f} to {high:+.1f}"
-    return [
-        f"the axis leans {angle} degrees out of the picture (tip away from the viewer > 0); "
-        f"lengths are corrected by {longer:.2f} %"
-    ]
 
 
 def gaps(s: Array, resolved: Mask, unit: str, pitch: float) -> list[str]:

@@ -16,13 +16,16 @@ from imaging.helix.axis import axis_through, find_axis
 from imaging.helix.banded import Bordered, Rows, inverse, log_determinant, solve
 from imaging.helix.count import HalfTurns, Look, first_phase, half_turns
 from imaging.helix.edges import CONTACT, HIDDEN, OUTER, visible
-from imaging.helix.fit import _correlation
+from imaging.helix.fit import Fit, _correlation
+from imaging.helix.lean import LEANING, is_told, length_sd, mean_lean, said_of_lean, upright
 from imaging.helix.model import Layout, Model, feet, outlines, positions
 from imaging.helix.pair import twisted_pair
 from imaging.helix.profile import Profiles, edge_places, likely_blur, sampled_places
-from imaging.helix.space import in_space, link_beyond_phase, writhe_shares
+from imaging.helix.space import in_space, link_beyond_phase, sine_of_lean, writhe_shares
 from imaging.helix.splines import basis, curve, knots
 from imaging.segment import Segmentation
+
+PLACES = np.linspace(20.0, 380.0, 50)
 
 
 def gauss_link(a, b):
@@ -302,3 +305,64 @@ def test_a_leaning_axis_is_longer_by_the_cosine():
     arc, points = in_space(straight_model(lean=np.sin(np.radians(20))))
     assert arc[-1] == pytest.approx(400.0 / np.cos(np.radians(20)), rel=1e-4)
     assert points[-1, 2] == pytest.approx(400.0 * np.tan(np.radians(20)), rel=1e-4)
+
+
+def leaning_fit(lean, sd=0.01):
+    """Fit of a straight pair whose lean's coefficients are independent, of this sd."""
+    model = straight_model(lean=lean)
+    layout = model.layout
+    nothing = Bordered.zero(layout.size - layout.shared, layout.shared, layout.width)
+    certainty = nothing.on_diagonal(np.full(layout.size, 1 / sd**2))
+    return Fit(model, certainty, None, {}, 0.1, 1.0, np.zeros(0))
+
+
+def test_a_mean_lean_is_an_angle_and_its_sd_holds_what_lights_do():
+    lean, sd = mean_lean(leaning_fit(np.sin(0.3)), PLACES)
+    assert lean == pytest.approx(0.3)
+    # sd of the sine over its slope; ten coefficients' own sd averages out to little.
+    assert sd == pytest.approx(LEANING / np.cos(0.3), rel=0.02)
+    assert mean_lean(leaning_fit(np.sin(0.3), sd=0.5), PLACES)[1] > 2 * sd
+
+
+@pytest.mark.parametrize(
+    ("lean", "r", "told"), [(0.17, 8.0, True), (-0.17, 8.0, True), (0.1, 8.0, False),
+                            (0.17, 5.9, False)],
+)  # fmt: skip
+def test_a_lean_is_told_beyond_two_sd_by_strands_of_six_pixels(lean, r, told):
+    assert is_told(lean, 0.07, r) is told
+
+
+def test_upright_takes_out_the_mean_and_leaves_how_the_lean_varies():
+    one = leaning_fit(0.0)
+    beta = one.model.beta.copy()
+    where = one.model.layout.blocks["lean"]
+    beta[where] = 0.2 + 0.1 * np.sin(np.arange(where.stop - where.start))
+    bent = Fit(one.model.moved(beta), one.certainty, None, {}, 0.1, 1.0, np.zeros(0))
+    mean, _ = mean_lean(bent, PLACES)
+    other = upright(bent, mean)
+    assert mean_lean(other, PLACES)[0] == pytest.approx(0.0, abs=1e-12)
+    before, after = (sine_of_lean(f.model, PLACES) for f in (bent, other))
+    np.testing.assert_allclose(before - after, np.sin(mean), atol=1e-12)
+
+
+@pytest.mark.parametrize(("lean", "sd"), [(0.0, 0.1), (0.17, 0.06), (0.3, 0.02)])
+def test_the_error_of_a_length_is_that_of_drawn_leans(lean, sd):
+    """Lengths in the picture are the true ones times the cosine of the true lean."""
+    true = lean + sd * np.random.default_rng(4).normal(size=200_000)
+    corrected = np.cos(true) / np.cos(lean) - 1
+    left = np.cos(true) - 1
+    for wanted, untold in ((corrected, None), (left, lean)):
+        reached = length_sd(0.0 if untold is not None else lean, sd, untold)
+        assert reached == pytest.approx(np.sqrt(np.mean(wanted**2)), rel=0.05)
+
+
+def test_what_is_said_of_a_lean():
+    none = np.zeros(5)
+    assert said_of_lean(none, 0.0, 0.06, told=False) == []
+    assert said_of_lean(none, 0.05, 0.06, told=False) == []
+    (untold,) = said_of_lean(none, np.radians(7), np.radians(4), told=False)
+    assert "may lean +7 +- 4 degrees" in untold
+    assert "not corrected" in untold
+    (told,) = said_of_lean(none + np.radians(10), np.radians(10), 0.06, told=True)
+    assert "leans +10.0 degrees" in told
+    assert "corrected by 1.54 %" in told
