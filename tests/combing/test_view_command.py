@@ -5,8 +5,10 @@ import json
 import re
 
 import browser
+import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 import sim
 from combing.cli import main
@@ -146,3 +148,39 @@ def test_a_page_of_a_scene_without_a_pair_is_whole(hanging):
     page = run_page([shown(sim.open_run(hanging))])
     packed = re.search(r'id="data">(.*?)</script>', page, re.DOTALL).group(1)
     assert json.loads(packed)["runs"][0]["strands"] == [13, 13, 13]
+
+
+def test_a_film_has_a_frame_a_snapshot_and_a_mark_where_the_tine_is(combed, tmp_path, capsys):
+    for needed in ("pyvista", "imageio_ffmpeg"):
+        pytest.importorskip(needed, reason="needs combing[render]")
+    run = sim.open_run(combed)
+    short = sim.Run(run.data.isel(snapshot=[2, 10, 20]))
+    short.save(tmp_path / "run.nc")
+    assert command("view", tmp_path / "run.nc", "--film", tmp_path / "run.mp4", "--quiet") == 0
+    shots = list(read_film(tmp_path / "run.mp4"))
+    assert [shot.shape for shot in shots] == [(960, 720, 3)] * 3
+    marks = [red_column(shot[740:880]) for shot in shots]
+    travels = short.displacements
+    # The mark goes along the axis as the tine does.
+    expected = (travels[1] - travels[0]) / (travels[2] - travels[0])
+    assert (marks[1] - marks[0]) / (marks[2] - marks[0]) == pytest.approx(expected, abs=0.01)
+    assert command("view", tmp_path / "run.nc", "--film", tmp_path / "run.gif", "--quiet") == 0
+    with Image.open(tmp_path / "run.gif") as gif:
+        assert gif.n_frames == 3
+    capsys.readouterr()
+    assert command("view", combed, combed, "--film", tmp_path / "two.mp4") == 2
+    assert command("view", combed, "--film", tmp_path / "run.avi") == 2
+    assert ".mp4 or .gif" in capsys.readouterr().err
+
+
+def read_film(path):
+    film = cv2.VideoCapture(str(path))
+    while (found := film.read())[0]:
+        yield found[1].astype(int)
+    film.release()
+
+
+def red_column(strip):
+    """Return the middle of the columns that are red from top to bottom."""
+    red = (strip[..., 2] - strip[..., 1] > 80).mean(axis=0)
+    return float(np.flatnonzero(red > 0.8).mean())
