@@ -12,6 +12,8 @@ from combing import __version__
 from combing.compare.change_pages import change_sections
 from combing.compare.comparison import Comparison, Findings, all_errors
 from combing.compare.first_page import closing_section, found_section
+from combing.compare.provenance import provenance
+from combing.compare.provenance import tables as provenance_tables
 from combing.compare.sweep_pages import outcome_sections, sweep_sections
 from combing.figures.errors import draw_errors
 from combing.figures.force import draw_force
@@ -74,7 +76,8 @@ def write_pages(study: Study, findings: Findings, folder: Path) -> None:
     synthetic = any(found.synthetic for found in comparisons.values())
     if study.link or study.curl:
         sections.append(_photographs(study, folder, synthetic))
-    sections.append(_origin(findings))
+    origin = provenance(study)
+    sections.append(_origin(findings, origin))
     sections.append(closing_section(comparisons, study.n_sec, model_version()))
     write_report(
         folder / "report.html",
@@ -84,7 +87,7 @@ def write_pages(study: Study, findings: Findings, folder: Path) -> None:
         footer="Every plotted number is in the CSV files beside this page.",
         synthetic=synthetic,
     )
-    summary = _summary(study, findings, errors, synthetic)
+    summary = _summary(study, findings, errors, synthetic) | {"provenance": origin}
     text = json.dumps(summary, indent=1, ensure_ascii=False)
     (folder / "summary.json").write_text(text, encoding="utf-8")
 
@@ -149,7 +152,7 @@ def _photographs(study: Study, folder: Path, synthetic: bool) -> Section:
     return Section("Photographs", (), png, "What was measured, scaled down.")
 
 
-def _origin(findings: Findings) -> Section:
+def _origin(findings: Findings, origin: dict) -> Section:
     rows = [
         {
             "scene": name,
@@ -162,8 +165,8 @@ def _origin(findings: Findings) -> Section:
         for name, run in findings.runs.items()
     ]
     tables = [("What each set holds", findings.holdings), ("Runs", pd.DataFrame(rows))]
-    text = [f"Solver {model_version()}."]
-    return Section("Where the numbers come from", text, tables=tables, notes=findings.notes)
+    tables += provenance_tables(origin)
+    return Section("Where the numbers come from", (), tables=tables, notes=findings.notes)
 
 
 def _summary(study: Study, findings: Findings, errors: pd.DataFrame, synthetic: bool) -> dict:

@@ -31,6 +31,7 @@ def load_study(path: Path) -> Study:
         wrong type, a named file does not exist or is named twice, or two sets have one name.
     """
     study = _load(Path(path), Study)
+    study._path = Path(path)
     for link in study.link:
         tine_positions(link)
     return study

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from pydantic import Field, PositiveInt, model_validator
+from pydantic import Field, PositiveInt, PrivateAttr, model_validator
 
 from combing.study.sets import CurlSet, ForceSet, LinkSet, Table
 from combing.study.sweeps import SweepSet
@@ -32,6 +32,12 @@ class Study(Table):
     sweep: list[SweepSet] = Field(default_factory=list)
     link: list[LinkSet] = Field(default_factory=list)
     curl: list[CurlSet] = Field(default_factory=list)
+    _path: Path | None = PrivateAttr(None)
+
+    @property
+    def path(self) -> Path | None:
+        """File that the study was read from."""
+        return self._path
 
     @model_validator(mode="after")
     def _something(self) -> "Study":

@@ -15,6 +15,7 @@ from matplotlib.container import BarContainer, ErrorbarContainer
 from combing.compare.bench import compare
 from combing.compare.curl import compare_curl, count_interactions
 from combing.compare.link import compare_link
+from combing.figures.change import draw_change
 from combing.figures.errors import draw_errors
 from combing.figures.force import draw_force
 from combing.figures.interactions import draw_interactions
@@ -242,6 +243,58 @@ def test_link_figure_draws_the_band_of_one_sd_the_reference_and_the_position(tmp
     np.testing.assert_allclose(reference.get_ydata(), 100)
     np.testing.assert_allclose(tine.get_xdata(), 45)
     assert panel.get_title(loc="left") == "a, $d$ = 37 mm"
+
+
+def change_rows(source, curve, x, s, change, sd):
+    return pd.DataFrame(
+        {"set": "a", "source": source, "curve": curve, "d": 0.1 * x, "x": x, "s": s,
+         "change": change, "sd": sd}
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("scaled", [True, False])
+def test_change_figure_draws_profiles_means_and_jumps(scaled):
+    s = np.linspace(0.02, 0.1, 9)
+    table = pd.concat([
+        change_rows("experiment", "profile", 0.3, s, 2 * s, 0.1 * s),
+        change_rows("experiment", "behind", 0.3, [0.005, 0.015], -0.6, 0.07),
+        change_rows("experiment", "jump", 0.5, [np.nan], 0.9, 0.2),
+        change_rows("experiment", "jump", 0.3, [np.nan], 0.8, 0.05),
+        change_rows("simulation", "profile", 0.3, s, 3 * s, 0.0),
+        change_rows("simulation", "jump", np.array([0.4, 0.2, 0.6]), np.nan,
+                    np.array([0.4, 0.1, 0.7]), 0.0),
+    ])  # fmt: skip
+    if not scaled:
+        table["x"] = np.nan
+    left, right, below, beside = draw_change(table, synthetic=False).axes[:4]
+    profile, behind = (one for one in left.lines if len(one.get_xdata()) in (9, 2) and
+                       one.get_linewidth() == 1)  # fmt: skip
+    profile, behind = sorted((profile, behind), key=lambda one: -len(one.get_xdata()))
+    np.testing.assert_allclose(profile.get_xdata(), 1e3 * s)
+    np.testing.assert_allclose(profile.get_ydata(), 2 * s)
+    np.testing.assert_allclose(behind.get_xdata(), [5, 15])
+    np.testing.assert_allclose(behind.get_ydata(), [-0.6, -0.6])
+    assert (profile.get_linestyle(), behind.get_linestyle()) == ("-", "--")
+    areas = [one for one in left.collections if isinstance(one, PolyCollection)]
+    corners = np.concatenate([one.get_paths()[0].vertices for one in areas])
+    heights = {(round(x, 6), round(y, 6)) for x, y in corners}
+    for x in s:
+        assert {(round(1e3 * x, 6), round(k * x, 6)) for k in (1.9, 2.1)} <= heights
+    assert {(5.0, -0.67), (5.0, -0.53), (15.0, -0.67), (15.0, -0.53)} <= heights
+    (jumps,) = [one for one in right.containers if isinstance(one, ErrorbarContainer)]
+    places = np.array([0.3, 0.5]) if scaled else np.array([30.0, 50.0])
+    np.testing.assert_allclose(jumps.lines[0].get_xydata(), np.transpose([places, [0.8, 0.9]]))
+    ends = np.array(jumps.lines[2][0].get_segments())[:, :, 1]
+    np.testing.assert_allclose(ends, [[0.75, 0.85], [0.7, 1.1]])
+    drawn = [one for one in beside.lines if len(one.get_xdata()) == 3]
+    np.testing.assert_allclose(drawn[0].get_xydata()[:, 1], [0.1, 0.4, 0.7])
+    assert (left.get_title(loc="left"), below.get_title(loc="left")) == (
+        "experiment", "simulation",
+    )  # fmt: skip
+    assert left.get_ylim() == below.get_ylim()
+    everything = table.loc[table["curve"] == "profile", "change"]
+    assert left.get_ylim()[1] > everything.quantile(0.99)
+    assert right.get_xlim()[1] >= (1.0 if scaled else 60.0)
 
 
 def test_figure_of_errors_draws_measured_over_true():
