@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import stdtrit
 
 from instron.errors import Unscalable
 from instron.scaling.average import FINE
+from instron.scaling.noise import SLOW
 from instron.scaling.rig import Rig
 
 SHARE = 0.01  # of the work: what comes after combing carries less
@@ -17,6 +19,7 @@ CHI2 = 3.84  # 95 % of chi-squared with one degree of freedom ...
 JUMP = 7.35  # ... and of the same for the place of a jump (Hansen, Econometrica 68, 575, 2000)
 WIDTH = 1.96
 SURE = 4.0  # sd
+MOST = 4.0  # times that noise may be larger than what a few swings of it tell
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,7 @@ def find_end(
     noise: tuple[float, float],
     rig: Rig,
     name: str,
+    freedom: float = np.inf,
 ) -> End:
     """Return where the averaged force falls for good.
 
@@ -70,6 +74,8 @@ def find_end(
         That F is averaged over [m].
     noise
         Standard deviation of a reading and of the averaged force [N].
+    freedom
+        Degrees of freedom that the latter is known with.
 
     Raises
     ------
@@ -88,10 +94,11 @@ def find_end(
         return End(float(d[-1]), np.nan, np.nan, False, threshold, rule, [note])
     level = rig.end_fraction * peak
     D, low, high = float(d[last]), 0.0, 0.0
+    unsure = _unsure(noise, freedom)
     first = 0  # row from which the fall is looked for
     for _ in range(ROUNDS):
         before = D
-        D, low, high = _fall(d[first:], F[first:], before, length, level, noise)
+        D, low, high = _fall(d[first:], F[first:], before, length, level, noise, unsure)
         until = float(d[last]) - length / 2
         beyond = (d > D) & (d <= until)
         if _goes_on(F[beyond], level, noise[0] * _colour(noise, length, d)):
@@ -100,9 +107,23 @@ def find_end(
             break
     if D <= 0:
         raise Unscalable(f"{name}: the force is above {threshold:.3g} N only at the start")
+    if unsure > 1:  # a swing of the noise may have been taken for force, and force for a swing
+        limits = max(level, threshold / unsure), min(threshold * unsure, peak / 2)
+        latest, earliest = (d[_last_row(d, smooth, limit, length)[0]] for limit in limits)
+        low, high = min(low, earliest - length / 2), max(high, latest + length / 2)
     notes = [_said(touches, D)] if touches else []
     notes += _loose(d, smooth, threshold, length, D)
-    return End(D, low, high, True, threshold, rule, notes)
+    return End(D, float(low), float(high), True, threshold, rule, notes)
+
+
+def _unsure(noise: tuple[float, float], freedom: float) -> float:
+    """Return how many times larger noise as slow as the length may be than what is known of it.
+
+    The quantile of Student's t over that of the normal distribution: a few swings tell little.
+    """
+    if noise[1] <= SLOW * noise[0]:
+        return 1.0
+    return float(min(MOST, stdtrit(freedom, 0.975) / WIDTH))
 
 
 def _goes_on(F: np.ndarray, level: float, sd: float) -> bool:
@@ -162,6 +183,7 @@ def _fall(
     length: float,
     level: float,
     noise: tuple[float, float],
+    unsure: float,
 ) -> tuple[float, float, float]:
     """Return where the force falls through ``level`` near ``last``, with a 95 % interval [m].
 
@@ -178,13 +200,14 @@ def _fall(
     least = max(0.0, float(min(one[0].min() for one in (ramps, curves, steps))))
     variance = max(least / max(1, len(d) - 3), noise[0] ** 2)
     colour = _colour(noise, length, d) ** 2
-    allowed = colour * variance * np.repeat([CHI2, CHI2, JUMP], steps.shape[1])
+    doubtful = colour * variance * unsure**2
+    allowed = doubtful * np.repeat([CHI2, CHI2, JUMP], steps.shape[1])
     for one in (curves, steps):  # must be needed: noise makes small bends and steps
         one[0] += CHI2 * colour * variance
     rest, places, doubts = np.concatenate([ramps, curves, steps], axis=1)
     best = int(np.argmin(rest))
     near = rest <= rest[best] + allowed
-    reach = np.hypot(WIDTH * doubts[near] * np.sqrt(colour * variance), step / 2)
+    reach = np.hypot(WIDTH * doubts[near] * np.sqrt(doubtful), step / 2)
     low, high = (places[near] - reach).min(), (places[near] + reach).max()
     return float(places[best]), float(low), float(high)
 

@@ -133,7 +133,7 @@ def _measure(log: pd.DataFrame, rig: Rig) -> _Stroke:
         d = travel - rig.compliance * F
         d = d - (_toe(d, averaged, log) if rig.toe == "tangent" else d[0])
         pair = (noise.sd, noise.averaged)
-        end = find_end(d, F, averaged, length, pair, rig, name_of(log))
+        end = find_end(d, F, averaged, length, pair, rig, name_of(log), noise.freedom)
         beyond = d > end.D + length
         free = of_free_end(raw[beyond], length / step) if end.ended else None
         if free is None or free == noise:

@@ -173,3 +173,17 @@ def test_a_log_that_stops_where_the_force_hardly_changes_has_not_ended():
     found = end_of(log)
     assert not found["ended"]
     assert found["rules"]["zero"] == "none"
+
+
+def slow(n, rng):
+    return filtered(n, rng, 0.0167)
+
+
+def test_the_interval_knows_that_a_few_slow_swings_tell_little():
+    """Noise as slow as the averaging length, of which the free end holds a swing or two."""
+    covered = []
+    for name in ("hump", "plateau", "teeth", "release"):
+        true = true_end(name)
+        logs = [combing(SHAPES[name], 1500, sd=0.02, rng=s, noise=slow) for s in range(12)]
+        covered += [a["D_low"] <= true <= a["D_high"] for a in map(end_of, logs)]
+    assert np.mean(covered) >= 0.85
