@@ -1,7 +1,7 @@
 """Figures, tables and the report of a comparison, written into one folder."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from combing.compare.first_page import closing_section, found_section
 from combing.compare.provenance import provenance
 from combing.compare.provenance import tables as provenance_tables
 from combing.compare.sweep_pages import outcome_sections, sweep_sections
+from combing.figures.composite import draw_composite
 from combing.figures.errors import draw_errors
 from combing.figures.force import draw_force
 from combing.figures.interactions import draw_interactions
@@ -52,6 +53,7 @@ TEXT = {
         "curls.",
     ),
 }
+GLANCE = "The first set of every kind, experiment over simulation. Colours and bands as below."
 
 
 def write_pages(study: Study, findings: Findings, folder: Path) -> None:
@@ -67,13 +69,13 @@ def write_pages(study: Study, findings: Findings, folder: Path) -> None:
         )
     ]
     sections += outcome_sections(comparisons, folder)
-    sections = [*found_section(comparisons), *sections]
+    synthetic = any(found.synthetic for found in comparisons.values())
+    sections = [*found_section(comparisons), *_composite(comparisons, folder, synthetic), *sections]
     if findings.left_out:
         sections.insert(0, Section("Left out", findings.left_out))
     errors = all_errors(comparisons)
     if len(errors):
         sections.append(_error_section(errors, folder))
-    synthetic = any(found.synthetic for found in comparisons.values())
     if study.link or study.curl:
         sections.append(_photographs(study, folder, synthetic))
     origin = provenance(study)
@@ -101,6 +103,22 @@ def _section(study: Study, kind: str, found: Comparison, folder: Path) -> Sectio
     paragraphs = [text.format(n_sec=study.n_sec)]
     data = f"{kind}.csv"
     return Section(title, paragraphs, png, caption, data, found.numbers, notes=found.notes)
+
+
+def _composite(
+    comparisons: Mapping[str, Comparison], folder: Path, synthetic: bool
+) -> list[Section]:
+    """Draw the first set of each of several kinds; of one kind its own figure is enough."""
+    tables = {
+        "change" if kind == "link" else kind: found.change if kind == "link" else found.plotted
+        for kind, found in comparisons.items()
+    }
+    tables = {kind: table for kind, table in tables.items() if len(table)}
+    if len(tables) < 2:
+        return []
+    png, _ = save(draw_composite(tables, synthetic=synthetic), folder, "composite",
+                  synthetic=synthetic)  # fmt: skip
+    return [Section("At a glance", (), png, GLANCE)]
 
 
 def _drawers(study: Study) -> dict[str, Callable[[Comparison], Figure]]:

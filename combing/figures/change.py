@@ -45,7 +45,7 @@ def draw_change(table: pd.DataFrame, *, synthetic: bool) -> Figure:
         )
         for (left, right), source in zip(grid, sources, strict=True):
             own = table[(table["curve"] != "jump") & (table["source"] == source)]
-            _profiles(left, own, lambda place: shades(0.92 * float(norm(place))))
+            draw_profiles(left, own, lambda place: shades(0.92 * float(norm(place))))
             _jumps(right, table[(table["curve"] == "jump") & (table["source"] == source)], source)
             left.set_title(source, loc="left")
             right.set_xlim(0, 1.02 * end)
@@ -60,7 +60,8 @@ def draw_change(table: pd.DataFrame, *, synthetic: bool) -> Figure:
     return figure
 
 
-def _profiles(panel: Axes, rows: pd.DataFrame, colour: Callable[[float], object]) -> None:
+def draw_profiles(panel: Axes, rows: pd.DataFrame, colour: Callable[[float], object]) -> None:
+    """Draw the change over s with its sd at every place of the tine; dashed: means behind it."""
     panel.axhline(0, color="0.6", lw=0.8, dashes=(1, 2))
     for (place, curve), one in rows.groupby(["place", "curve"]):
         s, shade = one["s"] * METRE_TO_MM, colour(float(str(place)))

@@ -43,17 +43,23 @@ def draw_force(table: pd.DataFrame, *, synthetic: bool) -> Figure:
     return figure
 
 
-def _draw_set(panel: Axes, rows: pd.DataFrame) -> None:
-    mean = _curve(rows, "experiment", "mean")
-    panel.fill_between(
-        mean["x"], mean["low"], mean["high"], color=BAND, lw=0, label="experiment, mean ± sd"
-    )
-    panel.plot(mean["x"], mean["f"], color="0.5", lw=1)
-    one = _curve(rows, "experiment", "representative")
-    panel.plot(one["x"], one["f"], color=EXPERIMENT, lw=0.9, label="experiment, one repeat")
+def draw_source(panel: Axes, rows: pd.DataFrame, source: str) -> None:
+    """Draw mean, band and one repeat of the experiment, or the simulation."""
+    if source == "experiment":
+        mean, one = (_curve(rows, source, curve) for curve in ("mean", "representative"))
+        panel.fill_between(
+            mean["x"], mean["low"], mean["high"], color=BAND, lw=0, label="experiment, mean ± sd"
+        )
+        panel.plot(mean["x"], mean["f"], color="0.5", lw=1)
+        panel.plot(one["x"], one["f"], color=EXPERIMENT, lw=0.9, label="experiment, one repeat")
     run = _curve(rows, "simulation", "run")
-    if len(run):
+    if source == "simulation" and len(run):
         panel.plot(run["x"], run["f"], color=SIMULATION, label="simulation")
+
+
+def _draw_set(panel: Axes, rows: pd.DataFrame) -> None:
+    draw_source(panel, rows, "experiment")
+    draw_source(panel, rows, "simulation")
     for kind, dashes in (("free", (4, 2)), ("blocked", (1, 1.5))):
         love = _curve(rows, "theory", kind)
         if len(love):
@@ -64,7 +70,7 @@ def _draw_set(panel: Axes, rows: pd.DataFrame) -> None:
                 dashes=dashes,
                 label=f"single helix, {kind} ends",
             )
-    top = np.nanmax(np.concatenate([mean["high"], one["f"], run["f"]]))
+    top = np.nanmax(rows.loc[rows["source"] != "theory", ["f", "high"]].to_numpy())
     panel.set(xlim=(0, 1.1), ylim=(-0.05 * top, ROOM * top))
 
 

@@ -27,7 +27,7 @@ def draw_interactions(table: pd.DataFrame, *, n_sec: int, synthetic: bool) -> Fi
     with paper_style():
         figure, panels = new_figure(-(-len(sets) // 2), min(2, len(sets)), 2.5)
         for panel, name in zip(panels, sets, strict=False):
-            _draw_set(panel, table[table["set"] == name])
+            draw_bars(panel, table[table["set"] == name])
             panel.set(title=plain(name), xlabel="strands in an interaction, $N$")
             panel.set_ylabel(r"$\rho_N$ (m$^{-1}$)")
             panel.annotate(f"{n_sec} sections", (0.97, 0.72), xycoords="axes fraction", ha="right")
@@ -38,7 +38,8 @@ def draw_interactions(table: pd.DataFrame, *, n_sec: int, synthetic: bool) -> Fi
     return figure
 
 
-def _draw_set(panel: Axes, rows: pd.DataFrame) -> None:
+def draw_bars(panel: Axes, rows: pd.DataFrame) -> None:
+    """Draw mean densities of one set with their sd over curls, and single curls as dots."""
     for source, (colour, shift) in LOOKS.items():
         density = rows[rows["source"] == source].pivot(
             index="N", columns="sample", values="density"

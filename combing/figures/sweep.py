@@ -38,9 +38,9 @@ def draw_sweep(table: pd.DataFrame, *, synthetic: bool) -> Figure:
         grid = figure.subplots(
             len(sources), 2, squeeze=False, sharex="col", sharey=True, width_ratios=[2, 1]
         )
-        colour, top = _colours(table), _top(table)
+        colour, top = colours_of(table), _top(table)
         for (left, right), source in zip(grid, sources, strict=True):
-            _curves(left, table, source, colour)
+            draw_curves(left, table, source, colour)
             _peaks(right, table[table["source"] == source], colour)
             left.set(xlim=(0, 1.1), ylim=(-0.04 * top, ROOM * top), ylabel=r"$f = l_0^2 F/B$")
             left.set_title(source, loc="left")
@@ -55,7 +55,8 @@ def draw_sweep(table: pd.DataFrame, *, synthetic: bool) -> Figure:
     return figure
 
 
-def _colours(table: pd.DataFrame) -> Colour:
+def colours_of(table: pd.DataFrame) -> Colour:
+    """Return the colour of every value of a set."""
     values = table["value"]
     norm = Normalize(values.min(), values.max() if values.nunique() > 1 else values.min() + 1)
     shades = mpl.colormaps["viridis"]
@@ -68,7 +69,8 @@ def _top(table: pd.DataFrame) -> float:
     return float(np.nanmax(seen[["f", "high"]].to_numpy()))
 
 
-def _curves(panel: Axes, table: pd.DataFrame, source: str, colour: Colour) -> None:
+def draw_curves(panel: Axes, table: pd.DataFrame, source: str, colour: Colour) -> None:
+    """Draw mean and band of every value of one source, one curve in black, Love's dashed."""
     for value in table["value"].unique():
         one = table[table["value"] == value]
         mean = one[(one["source"] == source) & (one["curve"] == "mean")]

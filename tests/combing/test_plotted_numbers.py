@@ -9,6 +9,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib import colormaps
 from matplotlib.collections import PolyCollection
 from matplotlib.container import BarContainer, ErrorbarContainer
 
@@ -16,6 +17,7 @@ from combing.compare.bench import compare
 from combing.compare.curl import compare_curl, count_interactions
 from combing.compare.link import compare_link
 from combing.figures.change import draw_change
+from combing.figures.composite import draw_composite
 from combing.figures.errors import draw_errors
 from combing.figures.force import draw_force
 from combing.figures.interactions import draw_interactions
@@ -261,7 +263,7 @@ def test_change_figure_draws_profiles_means_and_jumps(scaled):
         change_rows("experiment", "jump", 0.5, [np.nan], 0.9, 0.2),
         change_rows("experiment", "jump", 0.3, [np.nan], 0.8, 0.05),
         change_rows("simulation", "profile", 0.3, s, 3 * s, 0.0),
-        change_rows("simulation", "jump", np.array([0.4, 0.2, 0.6]), np.nan,
+        change_rows("simulation", "jump", np.array([0.4, 0.2, 0.5]), np.nan,
                     np.array([0.4, 0.1, 0.7]), 0.0),
     ])  # fmt: skip
     if not scaled:
@@ -275,6 +277,14 @@ def test_change_figure_draws_profiles_means_and_jumps(scaled):
     np.testing.assert_allclose(behind.get_xdata(), [5, 15])
     np.testing.assert_allclose(behind.get_ydata(), [-0.6, -0.6])
     assert (profile.get_linestyle(), behind.get_linestyle()) == ("-", "--")
+    place = 0.3 if scaled else 0.6  # of the way, or of the last place of a tine
+    assert profile.get_color() == colormaps["viridis"](0.92 * place)
+    for panel in (left, right):
+        (level,) = [one for one in panel.lines if list(one.get_xdata()) == [0, 1]]
+        assert list(level.get_ydata()) == [0, 0]
+    assert (below.get_xlabel(), beside.get_xlabel()) == (
+        "$s$ (mm)", "$x = d/D$" if scaled else "$d$ (mm)",
+    )  # fmt: skip
     areas = [one for one in left.collections if isinstance(one, PolyCollection)]
     corners = np.concatenate([one.get_paths()[0].vertices for one in areas])
     heights = {(round(x, 6), round(y, 6)) for x, y in corners}
@@ -294,7 +304,38 @@ def test_change_figure_draws_profiles_means_and_jumps(scaled):
     assert left.get_ylim() == below.get_ylim()
     everything = table.loc[table["curve"] == "profile", "change"]
     assert left.get_ylim()[1] > everything.quantile(0.99)
-    assert right.get_xlim()[1] >= (1.0 if scaled else 60.0)
+    assert left.get_ylim()[1] < 1.5 * everything.max()
+    assert -0.15 < left.get_ylim()[0] <= -0.1
+    assert right.get_xlim()[1] >= (1.0 if scaled else 50.0)
+
+
+def test_composite_draws_the_numbers_of_each_kind_experiment_over_simulation(curls):
+    x, s = np.linspace(0, 1, 11), np.linspace(0.02, 0.1, 9)
+    force = pd.concat(
+        pd.DataFrame({"set": "a", "source": source, "curve": curve, "x": x, "f": height * x,
+                      "low": height * x - 1, "high": height * x + 1})
+        for source, curve, height in (("experiment", "mean", 5), ("simulation", "run", 6),
+                                      ("experiment", "representative", 4))
+    )  # fmt: skip
+    change = pd.concat([change_rows("experiment", "profile", 0.3, s, 2 * s, 0.0),
+                        change_rows("simulation", "profile", 0.3, s, 3 * s, 0.0)])  # fmt: skip
+    bodies = curls.plotted.assign(set="c")
+    tables = {"force": force, "change": change, "interactions": bodies}
+    axes = np.reshape(draw_composite(tables, synthetic=False).axes, (2, 3))
+    heights = [[one.get_ydata() for one in panel.lines if len(one.get_xdata()) in (9, 11)]
+               for panel in axes.ravel()]  # fmt: skip
+    np.testing.assert_allclose(heights[0], [5 * x, 4 * x])
+    np.testing.assert_allclose(heights[1], [2 * s])
+    np.testing.assert_allclose(heights[3], [6 * x])
+    np.testing.assert_allclose(heights[4], [3 * s])
+    assert band(axes[0, 0])[2] == pytest.approx(5 * x + 1)
+    (bars,) = [one for one in axes[0, 2].containers if isinstance(one, BarContainer)]
+    densities = bodies.pivot(index="N", columns="sample", values="density")
+    np.testing.assert_allclose([bar.get_height() for bar in bars], densities.mean(axis=1))
+    assert not axes[1, 2].containers
+    assert [panel.get_ylabel().split("\n")[0] for panel in axes[:, 0]] == [
+        "experiment", "simulation",
+    ]  # fmt: skip
 
 
 def test_figure_of_errors_draws_measured_over_true():

@@ -1,0 +1,86 @@
+"""All that a study compares in one figure: a row for the experiment, one for the simulation."""
+
+from collections.abc import Callable, Mapping
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from combing.figures.change import METRE_TO_MM, draw_profiles
+from combing.figures.force import draw_source
+from combing.figures.interactions import draw_bars
+from combing.figures.style import WIDTH, mark_synthetic, paper_style, plain
+from combing.figures.sweep import colours_of, draw_curves
+
+SOURCES = ("experiment", "simulation")
+FORCE = ("$x = d/D$", r"$f = l_0^2 F/B$")
+LABELS = {
+    "force": FORCE,
+    "sweep": FORCE,
+    "change": ("$s$ (mm)", r"$\Delta\lambda/\lambda_0$"),
+    "interactions": ("$N$", r"$\rho_N$ (m$^{-1}$)"),
+}
+
+
+def draw_composite(tables: Mapping[str, pd.DataFrame], *, synthetic: bool) -> Figure:
+    """Draw the first set of every kind, a column each, experiment over simulation, on like axes.
+
+    Parameters
+    ----------
+    tables : mapping
+        By kind (force, sweep, change, interactions) the table that its own figure draws, not empty.
+    synthetic : bool
+        Whether the experiment comes from the virtual lab.
+    """
+    chosen = {kind: table[table["set"] == table["set"].iloc[0]] for kind, table in tables.items()}
+    sources = [
+        one for one in SOURCES if any((table["source"] == one).any() for table in chosen.values())
+    ]
+    with paper_style():
+        figure = Figure(figsize=(WIDTH, 1.9 * len(sources) + 0.5), layout="constrained")
+        FigureCanvasAgg(figure)
+        grid = figure.subplots(len(sources), len(chosen), squeeze=False, sharex="col", sharey="col")
+        for column, (kind, table) in zip(grid.T, chosen.items(), strict=True):
+            for panel, source in zip(column, sources, strict=True):
+                DRAWERS[kind](panel, table, source)
+                panel.set_ylabel(LABELS[kind][1])
+            column[0].set_title(plain(str(table["set"].iloc[0])), loc="left")
+            column[-1].set_xlabel(LABELS[kind][0])
+        for row, source in zip(grid, sources, strict=True):
+            row[0].set_ylabel(f"{source}\n{row[0].get_ylabel()}")
+        mark_synthetic(figure, synthetic)
+    return figure
+
+
+def _force(panel: Axes, table: pd.DataFrame, source: str) -> None:
+    draw_source(panel, table, source)
+    panel.set_xlim(0, 1.1)
+
+
+def _sweep(panel: Axes, table: pd.DataFrame, source: str) -> None:
+    draw_curves(panel, table, source, colours_of(table))
+    top = float(np.nanmax(table.loc[table["source"].isin(SOURCES), ["f", "high"]].to_numpy()))
+    panel.set(xlim=(0, 1.1), ylim=(-0.04 * top, 1.12 * top))
+
+
+def _change(panel: Axes, table: pd.DataFrame, source: str) -> None:
+    scaled = bool(table["x"].notna().all())
+    table = table.assign(place=table["x"] if scaled else table["d"] * METRE_TO_MM)
+    norm = Normalize(0, 1.0 if scaled else float(table["place"].max()))
+    own = table[(table["curve"] != "jump") & (table["source"] == source)]
+    draw_profiles(panel, own, lambda place: mpl.colormaps["viridis"](0.92 * float(norm(place))))
+
+
+def _interactions(panel: Axes, table: pd.DataFrame, source: str) -> None:
+    draw_bars(panel, table[table["source"] == source])
+    sizes = sorted(table["N"].unique())
+    panel.set_xticks(sizes[:: 1 + len(sizes) // 7])
+
+
+DRAWERS: dict[str, Callable[[Axes, pd.DataFrame, str], None]] = {
+    "force": _force, "sweep": _sweep, "change": _change, "interactions": _interactions,
+}  # fmt: skip
