@@ -72,7 +72,8 @@ def ledger(
         rows = body.lines
         if not isinstance(rows, range):
             for number in set(range(int(rows[0]), int(rows[-1]))).difference(map(int, rows)):
-                roles[number] = _role(source, body.header, number, above or 1, delimiter)
+                blank = not source.line(number).strip(" \t,;|\"'")
+                roles[number] = BLANK if blank else BLOCK_HEAD
         roles[slice(rows.start, rows.stop) if isinstance(rows, range) else np.asarray(rows)] = (
             DATA if any(body is log for log in taken) else LOST
         )

@@ -172,7 +172,12 @@ def test_a_heading_over_every_row_is_one_test(tmp_path):
     np.testing.assert_array_equal(log["time"], T)
 
 
-MARKS = {"the same": "Axial Counts\t0\n", "counted": "Axial Counts\t{}\n", "alone": "Buffer\n"}
+MARKS = {
+    "the same": "Axial Counts\t0\n",
+    "with numbers": "Axial Counts\t0\t{}\n",
+    "counted": "Axial Counts\t{}\n",
+    "alone": "Buffer\n",
+}
 
 
 @pytest.mark.parametrize("kind", MARKS)
