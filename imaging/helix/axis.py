@@ -147,6 +147,7 @@ def _largest(mask: np.ndarray) -> np.ndarray:
 
 def _central_path(body: np.ndarray) -> Array:
     """Path (n, 2) between the two ends of a body that keeps to its middle."""
+    corner, body = _cropped(body)
     depth = _depth(body)
     cost = np.where(body, 1.0 + (depth.max() / np.maximum(depth, 0.5)) ** 2, -1.0)
     plain = np.where(body, 1.0, -1.0)
@@ -156,7 +157,13 @@ def _central_path(body: np.ndarray) -> Array:
         end, start = start, np.argwhere(far == far[np.isfinite(far)].max())[0]
     finder = MCP_Geometric(cost)
     finder.find_costs([start])
-    return np.array(finder.traceback(end), dtype=float)[:, ::-1]
+    return np.array(finder.traceback(end), dtype=float)[:, ::-1] + corner
+
+
+def _cropped(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corner (x, y) of the window that holds a mask, and the mask in it."""
+    (x, last_x), (y, last_y) = (np.flatnonzero(mask.any(axis=k))[[0, -1]] for k in (0, 1))
+    return np.array([x, y]), mask[y : last_y + 1, x : last_x + 1]
 
 
 def _smoothed(points: Array, sigma: float) -> Array:

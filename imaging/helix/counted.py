@@ -10,11 +10,16 @@ import numpy as np
 import pandas as pd
 from scipy.ndimage import gaussian_filter1d, median_filter, uniform_filter1d
 
-from imaging.helix.axis import Axis, sample
+from imaging.errors import Unmeasurable
+from imaging.helix.axis import Axis, find_axis, sample, smoothed
+from imaging.helix.colours import split_colours, with_dim_strands
 from imaging.helix.count import HalfTurns
 from imaging.helix.find import GAIN, RATIOS, TURNED
 from imaging.helix.measurement import HelixMeasurement, crossing_table, gaps
+from imaging.helix.pair import THIN, rough_radius, twisted_pair
 from imaging.helix.turning import PLACES, WIDE, Turning, turning
+from imaging.photo import Photo
+from imaging.segment import Segmentation, segment
 
 Array = np.ndarray
 Mask = np.ndarray
@@ -83,6 +88,30 @@ def count_turns(membership: np.ndarray, axis: Axis, r: float) -> Counted | None:
     return Counted(
         axis, s, phi, link, link_sd, phi_sd, known, turns, r, best.ratio * r, pitch
     )  # fmt: skip
+
+
+def may_wind(photo: Photo) -> bool:
+    """Whether two strands that `segment` tells apart wind, or are too thin here to tell."""
+    try:
+        plain = segment(photo)
+    except Unmeasurable:
+        return False
+    whole = with_dim_strands(plain)
+    return _winds(photo, plain) or (whole is not plain and _winds(photo, whole))
+
+
+def _winds(photo: Photo, segmentation: Segmentation) -> bool:
+    """Tell the same of one segmentation."""
+    try:
+        seen = split_colours(photo, segmentation)
+        membership = seen.membership[list(twisted_pair(seen))]
+        r = rough_radius(membership > 0.5)
+        if r < THIN:
+            return True
+        axis = smoothed(find_axis(membership.sum(axis=0), r), 4 * r)
+    except Unmeasurable:
+        return False
+    return count_turns(membership, axis, r) is not None
 
 
 def _sections(membership: np.ndarray, axis: Axis, r: float) -> tuple[float, Array, Array]:

@@ -119,6 +119,18 @@ def find_pairs(photo: Photo) -> tuple[list[Pair], bool]:
     return sorted(found, key=lambda pair: (pair.four, -pair.turns)), perhaps
 
 
+def coarse(photo: Photo) -> Photo:
+    """Return the photograph in at most FINEST pixels a side; itself where it has no more."""
+    step = max(photo.shape) / FINEST
+    if step <= 1:
+        return photo
+    size = (round(photo.shape[1] / step), round(photo.shape[0] / step))
+    pixels, bare = cv2.resize(photo.pixels, size, interpolation=cv2.INTER_AREA), photo.ignore
+    if bare is not None:
+        bare = cv2.resize(bare.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+    return Photo(pixels, photo.source, bare)
+
+
 def segmentation_of(photo: Photo, pair: Pair) -> Segmentation:
     """Return the pair's two strands, a the first colour, and what else stands out."""
     size = photo.shape[1], photo.shape[0]
@@ -136,14 +148,9 @@ def _above_ground(photo: Photo) -> tuple[Array, float, Mask | None]:
 
     Log lightness and (a, b)/(L + 16): the latter stay as they are in shadow.
     """
-    step = max(1.0, max(photo.shape) / FINEST)
-    pixels, bare = photo.pixels, photo.ignore
-    if step > 1:
-        size = (round(photo.shape[1] / step), round(photo.shape[0] / step))
-        pixels = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
-        if bare is not None:
-            bare = cv2.resize(bare.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
-    lab = Photo(pixels, photo.source).lab()
+    small, step = coarse(photo), max(1.0, max(photo.shape) / FINEST)
+    bare = small.ignore
+    lab = small.lab()
     ground = ground_of(lab, bare)
     under = ground.rows(slice(0, len(lab)))
     lab = cv2.GaussianBlur(lab, (0, 0), 0.8)

@@ -13,6 +13,7 @@ Mask = np.ndarray
 TOUCH = 3  # px; strands whose masks come this close touch
 EDGE = 3.0  # px; how far a segmentation's borders may be off
 SEAM = 0.4  # strand radii; a region no wider than twice that is a seam of mixed light, no strand
+THIN = 2.5  # px; strands thinner than this have no middle to measure
 PLATEAU = 2.0  # px; further inside than this a strand covers the whole pixel
 
 

@@ -21,13 +21,13 @@ from imaging.helix.count import (
     spread_apart,
     strand_radius,
 )
-from imaging.helix.counted import borne_out, count_turns, from_counts
+from imaging.helix.counted import borne_out, count_turns, from_counts, may_wind
 from imaging.helix.edges import Edges, doubted, edges_in_light, find_edges
-from imaging.helix.find import Pair, find_pairs, segmentation_of
+from imaging.helix.find import Pair, coarse, find_pairs, segmentation_of
 from imaging.helix.fit import Fit, fit, fit_best, widened
 from imaging.helix.measurement import HelixMeasurement, Start, measurement_of
 from imaging.helix.model import Layout, Model, offsets
-from imaging.helix.pair import pair_membership, rough_radius, twisted_pair
+from imaging.helix.pair import THIN, pair_membership, rough_radius, twisted_pair
 from imaging.helix.prior import PENALISED, Prior, first_prior
 from imaging.helix.splines import knots
 from imaging.photo import Photo
@@ -36,7 +36,6 @@ from imaging.segment import Segmentation, segment
 
 Array = np.ndarray
 Mask = np.ndarray
-THIN = 2.5  # px; strands thinner than this have no middle to measure
 SLOPED = 5.5  # px; strands thinner than this show too little of a slope beside an edge
 ENOUGH = 0.5  # of the edges that coverage shows; where fewer are clear in the light it is too dim
 NOTHING_WINDS = "no two strands of different colours are seen to wind round each other"
@@ -131,7 +130,8 @@ def helices(
     """
     pairs, perhaps = find_pairs(photo)
     if not pairs:
-        if not perhaps:
+        # Looked at in full, twelve megapixels of cables took a minute to be refused.
+        if not perhaps or ((small := coarse(photo)) is not photo and not may_wind(small)):
             raise Unmeasurable(f"{photo.source}: {NOTHING_WINDS}")
         return [_segmented(photo, scale, root, tine)]
     if only is not None and not 0 <= only < len(pairs):

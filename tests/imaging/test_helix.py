@@ -7,7 +7,8 @@ from drawn.helix import BLUE, RED, Light, draw_helix, draw_tubes
 from drawn.helix_accuracy import beside_truth, total_link_error, window_errors
 
 from imaging import Photo, Segmentation, Unmeasurable
-from imaging.helix import helix
+from imaging.helix import find, helix, photograph
+from imaging.helix.counted import may_wind
 
 R = 6.0
 PITCH = 18 * R
@@ -345,6 +346,23 @@ def test_straight_neighbours_are_refused():
     picture = draw_helix(R, lambda s: 0.0, 6 * PITCH, phase=0.0, rng=1)
     with pytest.raises(Unmeasurable, match="swap sides 0 times"):
         helix(exact(picture))
+
+
+def test_a_large_picture_is_asked_coarsely_whether_anything_winds(monkeypatch):
+    """Cables that may wind were looked at in every of twelve million pixels: a minute."""
+    picture = Photo(draw_helix(R, lambda s: 0.0, 6 * PITCH, phase=0.0, rng=1).pixels)
+    monkeypatch.setattr(photograph, "find_pairs", lambda photo: ([], True))
+    monkeypatch.setattr(find, "FINEST", 500)
+    monkeypatch.setattr(photograph, "segment", None)  # never looked at in full
+    with pytest.raises(Unmeasurable, match="no two strands of different colours"):
+        helix(picture)
+
+
+@pytest.mark.parametrize(("link", "winds"), [(1 / PITCH, True), (0.0, False)])
+def test_a_dark_pair_may_wind_and_straight_neighbours_do_not(link, winds):
+    look = {"colours": ((30, 110, 60), (220, 170, 30)), "background": (50, 52, 40), "noise": 0.03}
+    picture = draw_helix(R, lambda s: link, 4 * PITCH, phase=0.0, rng=1, **look)
+    assert may_wind(Photo(picture.pixels)) is winds
 
 
 def test_strands_too_thin_are_refused():

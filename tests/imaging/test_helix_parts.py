@@ -12,7 +12,7 @@ from drawn.helix import (
 from scipy.interpolate import BSpline
 from scipy.ndimage import gaussian_filter1d
 
-from imaging.helix.axis import axis_through, find_axis
+from imaging.helix.axis import _central_path, axis_through, find_axis
 from imaging.helix.banded import Bordered, Rows, inverse, log_determinant, solve
 from imaging.helix.count import HalfTurns, Look, first_phase, half_turns
 from imaging.helix.edges import CONTACT, HIDDEN, OUTER, visible
@@ -80,6 +80,15 @@ def test_axis_runs_from_the_root():
     assert find_axis(pair, 6.0).points[0, 1] < find_axis(pair, 6.0).points[-1, 1]
     down = find_axis(pair, 6.0, root="bottom").points
     assert down[0, 1] > down[-1, 1]
+
+
+def test_a_central_path_is_that_of_the_body_wherever_it_lies():
+    body = np.zeros((60, 90), bool)
+    body[10:18, 5:80] = body[18:50, 70:80] = True
+    path = _central_path(body)
+    assert path.min(axis=0).tolist() >= [5, 10]
+    moved = _central_path(np.pad(body, ((7, 300), (40, 9))))
+    np.testing.assert_array_equal(moved, path + [40, 7])
 
 
 def seen_of(phi):
