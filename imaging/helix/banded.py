@@ -168,7 +168,7 @@ def _gather(columns, values, precision, band, border, corner):
                     band[j, i - j] += x * values[k, b]
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, fastmath={"reassoc", "contract"})
 def _select(factor, border, reach, band):
     """Fill a band with the inverse's, from the Cholesky factor and the border's share."""
     n, wide = factor.shape
@@ -176,9 +176,10 @@ def _select(factor, border, reach, band):
         most = min(wide, n - j)
         for d in range(most - 1, -1, -1):
             total = 0.0
-            for k in range(1, most):
-                here = band[j + d, k - d] if k >= d else band[j + k, d - k]
-                total += factor[j, k] * here
+            for k in range(1, min(d, most)):
+                total += factor[j, k] * band[j + k, d - k]
+            for k in range(max(d, 1), most):
+                total += factor[j, k] * band[j + d, k - d]
             band[j, d] = ((1.0 / factor[j, 0] if d == 0 else 0.0) - total) / factor[j, 0]
     for j in range(n):
         for d in range(min(wide, n - j)):

@@ -147,12 +147,10 @@ def _followed(found: Turning, known: Mask, reach: int) -> Mask:
 def _smoothed(phi: Array, s: Array, known: Mask, pitch: float) -> tuple[Array, Array, Array, float]:
     """Phase, link, its sd and the phase's sd from straight lines over WINDOW pitches."""
     smooth, link, sd = phi.copy(), np.full(len(s), np.nan), np.full(len(s), np.nan)
-    number = np.cumsum(np.diff(known, prepend=False))
-    length = np.zeros(len(s))
-    for i in np.flatnonzero(known):
-        near = known & (number == number[i]) & (np.abs(s - s[i]) <= WINDOW * pitch / 2)
-        slope, smooth[i] = np.polyfit(s[near] - s[i], phi[near], 1)
-        link[i], length[i] = slope / (2 * np.pi), np.ptp(s[near])
+    first, end = _near(s, known, WINDOW * pitch / 2)
+    length = np.where(known, s[end - 1] - s[first], 0.0)
+    slope, smooth[known] = (v[known] for v in _lines(s, phi, first, end))
+    link[known] = slope / (2 * np.pi)
     rest = (phi - smooth)[known]
     phi_sd = max(1.5 * float(np.sqrt(np.mean(rest**2))), LEAST_SD) if rest.size else LEAST_SD
     seen = length > 0
@@ -160,6 +158,28 @@ def _smoothed(phi: Array, s: Array, known: Mask, pitch: float) -> tuple[Array, A
     count = np.maximum(4 * length[seen] / pitch, 2.0)
     sd[seen] = phi_sd * np.sqrt(12 / count) / length[seen] / (2 * np.pi)
     return smooth, link, np.hypot(sd, link * UNTOLD**2 / np.sqrt(2)), phi_sd
+
+
+def _near(s: Array, known: Mask, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """First and end (n,) of the sections within ``reach`` in the same run of known ones."""
+    runs = np.flatnonzero(np.diff(np.r_[0, known.astype(int), 0])).reshape(-1, 2)
+    low, high = np.zeros((2, len(s)), int) + np.arange(len(s)) + [[0], [1]]
+    for a, b in runs:
+        low[a:b], high[a:b] = a, b
+    ends = (np.searchsorted(s, s + q * reach, side) for q, side in ((-1, "left"), (1, "right")))
+    return np.maximum(low, next(ends)), np.minimum(high, next(ends))
+
+
+def _lines(s: Array, y: Array, first: np.ndarray, end: np.ndarray) -> tuple[Array, Array]:
+    """Slope of the straight line of least squares through s[first:end], and its value at s."""
+    x, centre, level = s - s.mean(), s.mean(), y.mean()
+    y = y - level
+    n, sx, sy, sxx, sxy = (
+        (total := np.r_[0.0, np.cumsum(v)])[end] - total[first]
+        for v in (np.ones(len(x)), x, y, x * x, x * y)
+    )
+    slope = (n * sxy - sx * sy) / np.maximum(n * sxx - sx**2, 1e-300)
+    return slope, level + (sy + slope * (n * (s - centre) - sx)) / n
 
 
 def _crossings(found: Turning, phi: Array, s: Array, known: Mask) -> HalfTurns:

@@ -13,12 +13,14 @@ A tube's outline in the picture is the curve at distance r from its projected ce
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numba
 import numpy as np
 
 from imaging.helix.axis import Axis
 from imaging.helix.splines import curve
 
 Array = np.ndarray
+FEET = 6  # steps to the nearest point
 GRID = 0.5  # px; the centrelines are tabulated this densely
 
 
@@ -163,13 +165,9 @@ def outlines(model: Model) -> Array:
 
 def feet(model: Model, strand: np.ndarray, s: Array, points: Array) -> Array:
     """Arclengths of the centreline points nearest to picture points, starting from ``s``."""
-    table = model.table
-    ds = table.s[1] - table.s[0]
-    for _ in range(6):
-        here, slope = _on_curve(table, strand, s, ds)
-        step = ((points - here) * slope).sum(axis=1) / (slope**2).sum(axis=1)
-        s = np.clip(s + step, table.s[0], table.s[-1])
-    return s
+    table, found = model.table, s.astype(float)
+    _slide(table.strands, table.s[0], table.s[1] - table.s[0], strand, points, found)
+    return found
 
 
 def positions(model: Model, strand: np.ndarray, s: Array) -> Array:
@@ -202,6 +200,22 @@ def offsets(axis: Axis, s: Array, points: Array) -> Array:
     normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
     u = ((points - base) * normal).sum(axis=1)
     return np.interp(axis.s, np.maximum.accumulate(s), u)
+
+
+@numba.njit(cache=True)
+def _slide(strands, start, step, strand, points, s):
+    """Move each s by Newton's steps to the foot of its point on a tabulated strand."""
+    last = strands.shape[1] - 1
+    for k in range(len(s)):
+        line, x, y = strands[strand[k]], points[k, 0], points[k, 1]
+        place = (s[k] - start) / step
+        for _ in range(FEET):
+            at = min(max(place, 0.0), last - 1e-6)
+            i = int(at)
+            dx, dy = line[i + 1, 0] - line[i, 0], line[i + 1, 1] - line[i, 1]
+            off = (x - line[i, 0]) * dx + (y - line[i, 1]) * dy
+            place = min(max(i + off / (dx * dx + dy * dy) + place - at, 0.0), last)
+        s[k] = start + step * place
 
 
 def _on_curve(table: Table, strand: np.ndarray, s: Array, ds: float) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from imaging.segment import Segmentation
 Mask = np.ndarray
 TOUCH = 3  # px; strands whose masks come this close touch
 EDGE = 3.0  # px; how far a segmentation's borders may be off
+EVERYWHERE = (slice(None), slice(None))
 SEAM = 0.4  # strand radii; a region no wider than twice that is a seam of mixed light, no strand
 THIN = 2.5  # px; strands thinner than this have no middle to measure
 PLATEAU = 2.0  # px; further inside than this a strand covers the whole pixel
@@ -94,12 +95,18 @@ def pair_membership(
     window = _window(np.any(owned, axis=0), int(4 * r) + 4)
     membership = np.zeros_like(membership)
     membership[:, *window] = _unmixed(
-        photo.rgb()[window] ** 2.2,
+        linear_light(photo, window),
         owned[:, *window],
         segmentation.labels[window] == 0,
         max(0.5 * r, 1.5),
     )
     return membership
+
+
+def linear_light(photo: Photo, window: tuple[slice, slice] = EVERYWHERE) -> np.ndarray:
+    """Light (h, w, 3) in a window of a photograph, its coding (gamma 2.2) undone."""
+    most = np.iinfo(photo.pixels.dtype).max
+    return ((np.arange(most + 1, dtype=np.float32) / most) ** 2.2)[photo.pixels[window]]
 
 
 def _window(mask: Mask, margin: int) -> tuple[slice, slice]:

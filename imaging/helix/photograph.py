@@ -27,7 +27,7 @@ from imaging.helix.find import Pair, coarse, find_pairs, segmentation_of
 from imaging.helix.fit import Fit, fit, fit_best, widened
 from imaging.helix.measurement import HelixMeasurement, Start, measurement_of
 from imaging.helix.model import Layout, Model, offsets
-from imaging.helix.pair import THIN, pair_membership, rough_radius, twisted_pair
+from imaging.helix.pair import THIN, linear_light, pair_membership, rough_radius, twisted_pair
 from imaging.helix.prior import PENALISED, Prior, first_prior
 from imaging.helix.splines import knots
 from imaging.photo import Photo
@@ -248,7 +248,7 @@ def _light(photo: Photo | None, segmentation: Segmentation, pair: tuple[int, int
     """
     if photo is None:
         return None
-    light = photo.rgb() ** 2.2
+    light = linear_light(photo)
     strands = np.isin(segmentation.labels, np.add(pair, 1))
     ground = segmentation.labels == 0
     if np.median(light[ground].sum(axis=1)) > np.median(light[strands].sum(axis=1)):

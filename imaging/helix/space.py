@@ -1,5 +1,6 @@
 """The axis of a double helix in space, from its course in the picture and its lean out of it."""
 
+import numba
 import numpy as np
 
 from imaging.helix.model import Model
@@ -52,11 +53,24 @@ def writhe_shares(points: Array) -> Array:
     Axes are right-handed, as x right, y down, z away from the viewer are.
     """
     chord, middle = np.diff(points, axis=0), 0.5 * (points[1:] + points[:-1])
-    apart = middle[:, None] - middle[None]
-    distance = np.linalg.norm(apart, axis=2)
-    np.fill_diagonal(distance, np.inf)
-    cross = np.cross(chord[:, None], chord[None])
-    return np.einsum("ijk,ijk->i", apart / distance[..., None] ** 3, cross) / (4 * np.pi)
+    shares = np.zeros(len(chord))
+    _sum_writhe(chord, middle, shares)
+    return shares / (4 * np.pi)
+
+
+@numba.njit(cache=True)
+def _sum_writhe(chord, middle, shares):
+    """Add r (t x t') / |r|^3 of every two segments to both."""
+    for i in range(len(chord)):
+        a, b, c = chord[i, 0], chord[i, 1], chord[i, 2]
+        for j in range(i):
+            x, y = middle[i, 0] - middle[j, 0], middle[i, 1] - middle[j, 1]
+            z = middle[i, 2] - middle[j, 2]
+            d, e, f = chord[j, 0], chord[j, 1], chord[j, 2]
+            cross = x * (b * f - c * e) + y * (c * d - a * f) + z * (a * e - b * d)
+            part = cross / (x * x + y * y + z * z) ** 1.5
+            shares[i] += part
+            shares[j] += part
 
 
 def _frame_turn(model: Model) -> Array:

@@ -191,9 +191,10 @@ def _move(p, whole, part, out):
     """Turn a distribution on by each rate's cells, shared between two."""
     phases = p.shape[1]
     for r in range(len(p)):
+        at = -whole[r] % phases
         for c in range(phases):
-            at = (c - whole[r]) % phases
             out[r, c] = (1 - part[r]) * p[r, at] + part[r] * p[r, at - 1]
+            at = at + 1 if at < phases - 1 else 0
 
 
 @numba.njit(cache=True)
@@ -201,9 +202,11 @@ def _move_back(p, whole, part, out):
     """Bring to each state what those weigh that it turns into (the transpose of `_move`)."""
     phases = p.shape[1]
     for r in range(len(p)):
+        at = whole[r] % phases
         for c in range(phases):
-            at = (c + whole[r]) % phases
-            out[r, c] = (1 - part[r]) * p[r, at] + part[r] * p[r, (at + 1) % phases]
+            after = at + 1 if at < phases - 1 else 0
+            out[r, c] = (1 - part[r]) * p[r, at] + part[r] * p[r, after]
+            at = after
 
 
 def _still(emitted: Array) -> float:

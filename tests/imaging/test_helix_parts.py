@@ -15,14 +15,16 @@ from scipy.ndimage import gaussian_filter1d
 from imaging.helix.axis import _central_path, axis_through, find_axis
 from imaging.helix.banded import Bordered, Rows, inverse, log_determinant, solve
 from imaging.helix.count import HalfTurns, Look, first_phase, half_turns
+from imaging.helix.counted import _lines, _near
 from imaging.helix.edges import CONTACT, HIDDEN, OUTER, visible
 from imaging.helix.fit import Fit, _correlation
 from imaging.helix.lean import LEANING, is_told, length_sd, mean_lean, said_of_lean, upright
 from imaging.helix.model import Layout, Model, feet, outlines, positions
-from imaging.helix.pair import twisted_pair
+from imaging.helix.pair import linear_light, twisted_pair
 from imaging.helix.profile import Profiles, edge_places, likely_blur, sampled_places
 from imaging.helix.space import in_space, link_beyond_phase, sine_of_lean, writhe_shares
 from imaging.helix.splines import basis, curve, knots
+from imaging.photo import Photo
 from imaging.segment import Segmentation
 
 PLACES = np.linspace(20.0, 380.0, 50)
@@ -261,6 +263,39 @@ def test_outlines_lie_one_radius_from_the_centreline():
             np.testing.assert_allclose(gap, 6.0, atol=0.02)
 
 
+def test_feet_are_the_nearest_points_of_the_strand():
+    model, rng = straight_model(lean=0.1), np.random.default_rng(6)
+    table, strand = model.table, rng.integers(0, 2, 200)
+    start = rng.uniform(20, 380, 200)
+    points = positions(model, strand, start) + rng.normal(0, 4.0, (200, 2))
+    found = feet(model, strand, start, points)
+    reached = np.linalg.norm(points - positions(model, strand, found), axis=1)
+    every = np.linalg.norm(points[:, None] - table.strands[strand], axis=2)
+    near = np.abs(table.s - start[:, None]) < 12  # another turn may come nearer still
+    nearest = np.where(near, every, np.inf).min(axis=1)
+    assert (reached < nearest + 1e-3).mean() > 0.98
+
+
+def test_lines_along_a_curve_are_those_of_least_squares():
+    rng = np.random.default_rng(8)
+    s, y = 3000 + np.cumsum(rng.uniform(0.5, 1.5, 60)), 400 + np.cumsum(rng.normal(size=60))
+    known = np.ones(60, bool)
+    known[30:33] = False
+    first, end = _near(s, known, 6.0)
+    slope, value = _lines(s, y, first, end)
+    for i in np.flatnonzero(known):
+        near = known & (np.abs(s - s[i]) <= 6.0) & ((np.arange(60) < 30) == (i < 30))
+        wanted = np.polyfit(s[near] - s[i], y[near], 1)
+        np.testing.assert_allclose((slope[i], value[i]), wanted, rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_light_is_the_code_undone(kind):
+    pixels = np.random.default_rng(3).integers(0, np.iinfo(kind).max, (5, 7, 3)).astype(kind)
+    photo = Photo(pixels)
+    np.testing.assert_allclose(linear_light(photo), photo.rgb() ** 2.2, rtol=1e-6)
+
+
 def test_correlated_noise_counts_for_fewer_points():
     rng = np.random.default_rng(0)
     white = rng.normal(size=20_000)
@@ -300,6 +335,17 @@ def test_writhe_of_a_long_superhelix_is_its_solid_angle():
         inner = np.sum(writhe_shares(points)[375:-375])
         assert np.sign(whole) == np.sign(np.sum(writhe_shares(points * [1, 1, -1]))) * -1
         assert abs(inner) == pytest.approx(0.5 * wrapped, rel=0.05)
+
+
+def test_writhe_is_the_double_sum_over_segments():
+    points = superhelix(2.0)[::20]
+    chord, middle = np.diff(points, axis=0), 0.5 * (points[1:] + points[:-1])
+    apart = middle[:, None] - middle[None]
+    distance = np.linalg.norm(apart, axis=2)
+    np.fill_diagonal(distance, np.inf)
+    cross = np.cross(chord[:, None], chord[None])
+    wanted = np.einsum("ijk,ijk->i", apart / distance[..., None] ** 3, cross) / (4 * np.pi)
+    np.testing.assert_allclose(writhe_shares(points), wanted, rtol=1e-10)
 
 
 def test_a_plane_axis_has_no_writhe_and_its_link_is_the_phase():
