@@ -12,6 +12,7 @@ from imaging.segment import Segmentation
 Mask = np.ndarray
 TOUCH = 3  # px; strands whose masks come this close touch
 EDGE = 3.0  # px; how far a segmentation's borders may be off
+BAND = 128  # rows of a picture that are worked on at once
 EVERYWHERE = (slice(None), slice(None))
 SEAM = 0.4  # strand radii; a region no wider than twice that is a seam of mixed light, no strand
 THIN = 2.5  # px; strands thinner than this have no middle to measure
@@ -122,32 +123,51 @@ def _window(mask: Mask, margin: int) -> tuple[slice, slice]:
 def _unmixed(light: np.ndarray, owned: np.ndarray, bare: Mask, sigma: float) -> np.ndarray:
     """Coverage (2, h, w) of both strands from their colours and the background's nearby."""
     both: Mask = np.any(owned, axis=0)
-    a, b = (_local_colour(light, m, sigma) for m in owned)
-    strand, ground = _local_colour(light, both, sigma), _local_colour(light, bare, sigma)
-    coverage = np.where(both, 1.0, 0.0).astype(np.float32)
+    coverage, share = np.where(both, 1.0, 0.0).astype(np.float32), owned[0].astype(np.float32)
     rim = _grown(both, EDGE) & _grown(~both, EDGE)
-    coverage[rim] = _place(light, ground, strand)[rim]
-    share = owned[0].astype(np.float32)
     border = _grown(owned[0], EDGE) & _grown(owned[1], EDGE)
-    share[border] = _place(light, b, a)[border]
+    for part, where, zero, one in ((coverage, rim, bare, both), (share, border, *owned[::-1])):
+        low, high = (_local_colour(light, mask, sigma, where) for mask in (zero, one))
+        part[where] = _place(light[where], low, high)
     return np.stack([coverage * share, coverage * (1 - share)])
 
 
-def _local_colour(light: np.ndarray, mask: Mask, sigma: float) -> np.ndarray:
-    """Mean colour of a region near each pixel, its own border left out."""
+def _local_colour(light: np.ndarray, mask: Mask, sigma: float, where: Mask) -> np.ndarray:
+    """Mean colour (n, 3) of a region near some pixels, its own border left out."""
     core = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5) > PLATEAU
-    weight = (core if core.any() else mask).astype(np.float32)
-    mean = light[weight > 0].mean(axis=0) if weight.any() else np.zeros(3, np.float32)
+    some = core if core.any() else mask
+    mean = np.array(cv2.mean(light, some.astype(np.uint8))[:3], np.float32)
+    colour = np.empty_like(light)
+    for rows in range(0, len(mask), BAND):
+        band = slice(rows, rows + BAND)
+        columns = np.flatnonzero(where[band].any(axis=0))
+        if columns.size:
+            inner = band, slice(columns[0], columns[-1] + 1)
+            colour[inner] = _blurred(light, some, sigma, mean, inner)
+    return colour[where]
+
+
+def _blurred(
+    light: np.ndarray, some: Mask, sigma: float, mean: np.ndarray, inner: tuple[slice, slice]
+) -> np.ndarray:
+    """Mean colour of what is near in a window; that of all where nothing is."""
+    reach = int(4 * sigma) + 2  # of OpenCV's kernel
+    low = [max(cut.start - reach, 0) for cut in inner]
+    around = tuple(slice(first, cut.stop + reach) for first, cut in zip(low, inner, strict=True))
+    weight = some[around].astype(np.float32)
     total = cv2.GaussianBlur(weight, (0, 0), sigma) + 1e-4
-    colour = cv2.GaussianBlur(light * weight[..., None], (0, 0), sigma) + 1e-4 * mean
-    return colour / total[..., None]
+    colour = cv2.GaussianBlur(light[around] * weight[..., None], (0, 0), sigma) + 1e-4 * mean
+    size = [cut.stop - cut.start for cut in inner]
+    y, x = (slice(cut.start - first, cut.start - first + n)
+            for cut, first, n in zip(inner, low, size, strict=True))  # fmt: skip
+    return (colour / total[..., None])[y, x]
 
 
 def _place(light: np.ndarray, zero: np.ndarray, one: np.ndarray) -> np.ndarray:
-    """Place of each pixel between two colours, 0 to 1."""
+    """Place (n,) of each light (n, 3) between two colours, 0 to 1."""
     span = one - zero
-    length = np.maximum((span**2).sum(axis=2), 1e-6)
-    return np.clip(((light - zero) * span).sum(axis=2) / length, 0, 1)
+    length = np.maximum((span**2).sum(axis=1), 1e-6)
+    return np.clip(((light - zero) * span).sum(axis=1) / length, 0, 1)
 
 
 def _contact(a: Mask, b: Mask) -> int:

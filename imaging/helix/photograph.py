@@ -249,9 +249,9 @@ def _light(photo: Photo | None, segmentation: Segmentation, pair: tuple[int, int
     if photo is None:
         return None
     light = linear_light(photo)
-    strands = np.isin(segmentation.labels, np.add(pair, 1))
-    ground = segmentation.labels == 0
-    if np.median(light[ground].sum(axis=1)) > np.median(light[strands].sum(axis=1)):
+    labels, seen = (every[::3, ::3] for every in (segmentation.labels, light))
+    ground, strands = (seen[np.isin(labels, which)] for which in (0, np.add(pair, 1)))
+    if np.median(ground.sum(axis=1)) > np.median(strands.sum(axis=1)):
         return None
     return np.ascontiguousarray(np.moveaxis(light, -1, 0))
 
