@@ -166,8 +166,8 @@ def _near(s: Array, known: Mask, reach: float) -> tuple[np.ndarray, np.ndarray]:
     low, high = np.zeros((2, len(s)), int) + np.arange(len(s)) + [[0], [1]]
     for a, b in runs:
         low[a:b], high[a:b] = a, b
-    ends = (np.searchsorted(s, s + q * reach, side) for q, side in ((-1, "left"), (1, "right")))
-    return np.maximum(low, next(ends)), np.minimum(high, next(ends))
+    first, end = np.searchsorted(s, s - reach), np.searchsorted(s, s + reach, side="right")
+    return np.maximum(low, first), np.minimum(high, end)
 
 
 def _lines(s: Array, y: Array, first: np.ndarray, end: np.ndarray) -> tuple[Array, Array]:

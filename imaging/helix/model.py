@@ -202,7 +202,7 @@ def offsets(axis: Axis, s: Array, points: Array) -> Array:
     return np.interp(axis.s, np.maximum.accumulate(s), u)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _slide(strands, start, step, strand, points, s):
     """Move each s by Newton's steps to the foot of its point on a tabulated strand."""
     last = strands.shape[1] - 1
@@ -210,7 +210,7 @@ def _slide(strands, start, step, strand, points, s):
         line, x, y = strands[strand[k]], points[k, 0], points[k, 1]
         place = (s[k] - start) / step
         for _ in range(FEET):
-            at = min(max(place, 0.0), last - 1e-6)
+            at = min(place, last - 1e-6) if place > 0 else 0.0
             i = int(at)
             dx, dy = line[i + 1, 0] - line[i, 0], line[i + 1, 1] - line[i, 1]
             off = (x - line[i, 0]) * dx + (y - line[i, 1]) * dy

@@ -58,7 +58,7 @@ def writhe_shares(points: Array) -> Array:
     return shares / (4 * np.pi)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _sum_writhe(chord, middle, shares):
     """Add r (t x t') / |r|^3 of every two segments to both."""
     for i in range(len(chord)):
