@@ -20,6 +20,7 @@ SLIVER = 2.5  # px; a narrower strip of one strand is blurred into its neighbour
 RIM = 1.0  # px; how far the rear strand must stick out for its outer edge to be the pair's
 HIDDEN, OUTER, CONTACT = range(3)
 LEFT = {OUTER: 0.05, CONTACT: 0.25}  # px; what a step on a slope still errs by, with the phase
+NO_EDGE = "no edge of the two strands stands out clearly enough to be followed"
 STEP = 0.5  # px between samples across an edge
 
 
@@ -124,7 +125,7 @@ def edges_in_light(
     strips = _strips(light, model, valid, inside, sampled_places(inside, gate))
     outer = [strip.profiles for strip in strips if strip.which[2] == OUTER]
     if not outer:
-        raise Unmeasurable("no edge of the two strands stands out clearly enough to be followed")
+        raise Unmeasurable(NO_EDGE)
     blur = blur or likely_blur(outer, inside)
     found = [strip.edges(model.axis, inside, blur) for strip in strips]
     every = Edges(*(np.concatenate(parts) for parts in zip(*found, strict=True)))

@@ -12,8 +12,9 @@ from functools import cached_property
 
 import numpy as np
 
+from imaging.errors import Unmeasurable
 from imaging.helix.banded import Bordered, Rows, inverse, log_determinant, solve
-from imaging.helix.edges import OUTER, Edges
+from imaging.helix.edges import NO_EDGE, OUTER, Edges
 from imaging.helix.model import Model, feet, positions
 from imaging.helix.prior import ABRUPT, PENALISED, STRAIGHTER, Prior, first_prior
 from imaging.helix.splines import weights
@@ -98,7 +99,14 @@ def fit(model: Model, edges: Edges, prior: Prior, rounds: int = 6) -> Fit:
         Differences to penalise, and the penalty weights to start from.
     rounds : int
         Gauss-Newton steps.
+
+    Raises
+    ------
+    Unmeasurable
+        When there are no edges.
     """
+    if not len(edges.s):
+        raise Unmeasurable(NO_EDGE)
     layout, order = model.layout, model.layout.order
     for _ in range(rounds):
         residual, design = _linearised(model, edges)
