@@ -9,6 +9,8 @@ which is nothing at the edge of an area: a strand has two sides. Lengths and ang
 units of the ground's own differences C - (A + B)/2 in that direction and at that width (their
 covariance, from the three fifths of the picture that differ least), so that grain, weave and gravel
 raise no more alarms along their own direction and in their own colours than plain paper does.
+It is taken of (a, b) alone as well, and the greater counts: a strand with its shadow on one side
+has two unlike sides, but of one hue.
 """
 
 from typing import NamedTuple
@@ -88,7 +90,8 @@ def at_width(lab: Array, width: float) -> tuple[Array, Array, Array]:
     size = [max(8, round(side * UNIT / width)) for side in lab.shape[1::-1]]
     small = lab if width == UNIT else cv2.resize(lab, size, interpolation=cv2.INTER_AREA)
     small = cv2.GaussianBlur(small, (0, 0), 0.8)
-    rimmed = cv2.copyMakeBorder(small, RIM, RIM, RIM, RIM, cv2.BORDER_REPLICATE)
+    hue_first = np.ascontiguousarray(small[..., [1, 2, 0]])
+    rimmed = cv2.copyMakeBorder(hue_first, RIM, RIM, RIM, RIM, cv2.BORDER_REPLICATE)
     differences = _differences(rimmed, *_grid(small.shape))
     whiten = np.stack([_whitening(part) for part in differences]).astype(np.float32)
     away = small - cv2.GaussianBlur(small, (0, 0), UNIT)
@@ -165,17 +168,22 @@ def _differ(picture, rows, columns, along, aside, share, found):
 
 @numba.njit(cache=True)
 def _response(mean, whiten):
-    """Response to the means C, A, B (3, 3): min(|a|, |b|) cos - |a - b| / 2, whitened."""
-    aa = bb = ab = np.float32(0)
+    """Response to the means C, A, B (3, 3): min(|a|, |b|) cos - |a - b| / 2, whitened.
+
+    Of (a, b) or of (a, b, L), whichever is greater: the first two of three whitened parts are made
+    of the first two alone.
+    """
+    aa = bb = ab = best = np.float32(0)
     for c in range(3):
         a = b = np.float32(0)
         for d in range(c + 1):
             a += whiten[c, d] * (mean[0, d] - mean[1, d])
             b += whiten[c, d] * (mean[0, d] - mean[2, d])
         aa, bb, ab = aa + a * a, bb + b * b, ab + a * b
-    if ab <= 0:
-        return np.float32(0)
-    return ab / np.sqrt(max(aa, bb)) - np.sqrt(max(aa + bb - 2 * ab, np.float32(0))) / 2
+        if c > 0 and ab > 0:
+            unlike = np.sqrt(max(aa + bb - 2 * ab, np.float32(0)))
+            best = max(best, ab / np.sqrt(max(aa, bb)) - unlike / 2)
+    return best
 
 
 @numba.njit(cache=True)
