@@ -1,11 +1,11 @@
 """Cables on laboratory tables: how many are followed, and how much else is taken for one.
 
-    OMP_NUM_THREADS=1 python benchmarks/imaging_tables.py [N] [--first SEED] [--sheet FILE]
+    OMP_NUM_THREADS=1 python benchmarks/imaging_tables.py [N] [--first SEED] [--hard] [--sheet FILE]
 
 draws N pictures on each ground of `drawn.tables` (cables plain, glossy, striped, banded, fuzzy and
 plied). A cable is followed when one strand covers 85 % of its length within 1.2 radii; a strand is
-false when less than half of it lies on cables. `--sheet` writes a contact sheet: pictures, and what
-was followed.
+false when less than half of it lies on cables. `--hard` draws them under one lamp near by, with dark
+shadows to one side. `--sheet` writes a contact sheet: pictures, and what was followed.
 """
 
 import argparse
@@ -61,6 +61,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("n", type=int, nargs="?", default=3)
     parser.add_argument("--first", type=int, default=1000)
+    parser.add_argument("--hard", action="store_true")
     parser.add_argument("--sheet", type=Path)
     asked = parser.parse_args()
     rows, total = [], np.zeros(4, int)
@@ -68,7 +69,7 @@ def main() -> None:
     for ground in GROUNDS:
         sums, tiles = np.zeros(4, int), []
         for seed in range(asked.first, asked.first + asked.n):
-            table = draw_table(ground, seed)
+            table = draw_table(ground, seed, hard=asked.hard)
             strands = traced(table.pixels)
             followed, false = score(table, strands)
             sums += [followed, len(table.lines), false, len(strands)]

@@ -33,7 +33,12 @@ class Table:
 
 
 def draw_table(
-    ground: str, seed: int, *, shape: tuple[int, int] = (480, 640), makes: tuple[str, ...] = MAKES
+    ground: str,
+    seed: int,
+    *,
+    shape: tuple[int, int] = (480, 640),
+    makes: tuple[str, ...] = MAKES,
+    hard: bool = False,
 ) -> Table:
     """Draw three to nine cables on one of the GROUNDS.
 
@@ -45,8 +50,13 @@ def draw_table(
     shape : (h, w)
     makes : tuple of str
         Of which each cable takes one.
+    hard : bool
+        Light from one lamp near by: dark shadows, all to one side, that part from cables which
+        do not lie on the table.
     """
     rng = np.random.default_rng(seed)
+    beam = np.random.default_rng(seed + 1) if hard else None
+    lee = None if beam is None else _unit(beam.uniform(0, 2 * np.pi))
     picture = GROUNDS[ground](shape, rng)
     picture = picture * _lamp(shape, rng)[..., None]
     count, one_size = int(rng.integers(3, 10)), rng.uniform(3.0, 6.5)
@@ -57,13 +67,31 @@ def draw_table(
         while _contrast(picture, line, colour) < 25:
             colour = rng.permutation(np.array(COLOURS))[0] / 255
         height = _Cable(line, radius, _linear(colour), str(rng.choice(makes)), rng)
-        height.paint(picture)
+        if beam is not None and lee is not None:
+            _shade_hard(picture, line, radius, lee, beam)
+        height.paint(picture, shaded=hard)
     soft = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), rng.uniform(0.5, 1.1))
     coded = np.clip(soft, 0, 1) ** (1 / 2.2) + rng.normal(0, rng.uniform(0.004, 0.015), (*shape, 1))
     pixels = np.round(255 * np.clip(coded, 0, 1)).astype(np.uint8)
     quality = int(rng.integers(70, 96))
     jpeg = cv2.imencode(".jpg", pixels[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
     return Table(cv2.imdecode(jpeg, cv2.IMREAD_COLOR)[..., ::-1].copy(), lines, radii, ground)
+
+
+def _unit(angle: float) -> Array:
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+def _shade_hard(picture: Array, line: Array, radius: float, lee: Array, rng: Rng) -> None:
+    """Darken what lies in the lee of a cable that rises from the table here and there, in place."""
+    v = np.linspace(0, 1, len(line))
+    rise = np.sin(np.pi * rng.uniform(0.5, 2) * v) ** 2
+    lift = rng.uniform(0.6, 2.5) + rng.uniform(0, 6) * rise
+    points = np.rint(16 * (line + (radius * lift)[:, None] * lee)).astype(np.int32)
+    mask = np.zeros(picture.shape[:2], np.float32)
+    cv2.polylines(mask, [points], False, 1, max(1, round(2 * radius)), cv2.LINE_AA, 4)
+    soft = cv2.GaussianBlur(mask, (0, 0), rng.uniform(0.25, 0.6) * radius + 1)
+    picture *= 1 - rng.uniform(0.5, 0.85) * soft[..., None]
 
 
 def _linear(coded: Array) -> Array:
@@ -112,9 +140,10 @@ class _Cable:
     def __init__(self, line: Array, radius: float, colour: Array, make: str, rng: Rng):
         self.line, self.radius, self.colour, self.make, self.rng = line, radius, colour, make, rng
 
-    def paint(self, picture: Array) -> None:
-        """Draw the cable and its shadow over a linear picture (h, w, 3), in place."""
-        self._shade(picture)
+    def paint(self, picture: Array, *, shaded: bool = False) -> None:
+        """Draw the cable, and its shadow if none is yet, over a linear picture (h, w, 3)."""
+        if not shaded:
+            self._shade(picture)
         y, x, along, across = self._near(picture.shape[:2])
         rim = self.radius * (1 + self._fuzz(along))
         cover = np.clip(rim - np.abs(across) + 0.5, 0, 1)[:, None]

@@ -1,8 +1,8 @@
 """Strands before a ground with texture: ridges that stand out from it, and then their colours.
 
 Ridges (`ridges`) are cut into pieces along their crests (`crests`); seams of tiles and the like are
-taken out (`lattice`); what covers pixels is told from the ground beside the pieces; colours are
-named after the pieces that have them (`naming`). `imaging.trace` joins the pieces.
+taken out (`lattice`), and shadows (`cast`); what covers pixels is told from the ground beside the
+pieces; colours are named after the pieces that have them (`naming`). `imaging.trace` joins them.
 """
 
 from collections.abc import Sequence
@@ -11,6 +11,7 @@ import numpy as np
 
 from imaging.errors import Unmeasurable
 from imaging.photo import Photo
+from imaging.segment.cast import grounds, of_ground, of_shadow
 from imaging.segment.coverage import EDGE, coverage_of, depth_of, shared_out
 from imaging.segment.crests import BROAD, Piece, near_pieces, pieces_of, sure_ones, usual_width
 from imaging.segment.ground import Ground, contrast_of, ground_between, in_even_light
@@ -54,10 +55,15 @@ def by_ridge(
         width = usual_width(pieces)
         pieces = [piece for piece in pieces if piece.width < BROAD * width]
         pieces = of_enough(pieces, ENOUGH * width)
+    shadow = None
+    if pieces:
+        pieces, shadow = _without_shadows(pieces, lab, ground)
     if not pieces:
         raise Unmeasurable(f"{photo.source}: {NOTHING}")
     pieces, colours = named(pieces)
     near = near_pieces(pieces, lab.shape[:2])
+    if shadow is not None:
+        near &= ~shadow
     ground = ground_between(lab, near, usual_width(pieces), ground)
     coverage, _ = coverage_of(photo, contrast_of(lab, ground), near)
     width = _seen_width(pieces, coverage > EDGE)
@@ -65,8 +71,23 @@ def by_ridge(
     membership = shared_out(coverage, labels, len(colours))
     contrast, nothing = in_even_light(lab, ground), np.zeros(labels.shape, bool)
     return Segmentation(
-        labels, membership, colours, width, contrast, nothing, coverage, ruling, None, pieces
+        labels, membership, colours, width, contrast, nothing, coverage, ruling, shadow, pieces
     )
+
+
+def _without_shadows(
+    pieces: list[Piece], lab: np.ndarray, ground: Ground
+) -> tuple[list[Piece], np.ndarray | None]:
+    """Pieces that are neither shadow nor ground, and where shadows lie (h, w)."""
+    width = usual_width(pieces)
+    under = grounds(
+        pieces, ground_between(lab, near_pieces(pieces, lab.shape[:2]), width, ground), lab.shape[1]
+    )
+    shadow = of_shadow(pieces, under, lab, width)
+    none = shadow | of_ground(pieces, under)
+    cast = [piece for piece, own in zip(pieces, shadow, strict=True) if own]
+    left = [piece for piece, own in zip(pieces, none, strict=True) if not own]
+    return left, near_pieces(cast, lab.shape[:2]) if cast else None
 
 
 def _seen_width(pieces: Sequence[Piece], strand: np.ndarray) -> float:
