@@ -9,8 +9,8 @@ which is nothing at the edge of an area: a strand has two sides. Lengths and ang
 units of the ground's own differences C - (A + B)/2 in that direction and at that width (their
 covariance, from the three fifths of the picture that differ least), so that grain, weave and gravel
 raise no more alarms along their own direction and in their own colours than plain paper does.
-It is taken of (a, b) alone as well, and the greater counts: a strand with its shadow on one side
-has two unlike sides, but of one hue.
+Where the sides are unlike it is taken of (a, b) alone as well, and the greater counts: a strand
+with its shadow on one side has two unlike sides, but of one hue.
 """
 
 from typing import NamedTuple
@@ -31,6 +31,7 @@ QUIET = 0.6  # of the samples, taken for ground
 QUIET_SHARE = 0.36  # of the variance of a Gaussian in three dimensions that these have
 SAMPLES = 2500  # at which the ground is looked at, in each direction and width
 BROADER = 1.2  # times the response of a narrower ridge that one seen at a larger width must have
+UNLIKE = np.float32(0.5)  # of a contrast, by which the sides differ where one lies in shadow
 LOW = 4.0  # sds; a ridge exceeds it throughout
 RIM = UNIT + 4  # px around that picture, as far as any mean reaches
 AHEAD = 1.6 * np.arange(-2, 3)  # px along a direction over which colours are averaged
@@ -170,20 +171,22 @@ def _differ(picture, rows, columns, along, aside, share, found):
 def _response(mean, whiten):
     """Response to the means C, A, B (3, 3): min(|a|, |b|) cos - |a - b| / 2, whitened.
 
-    Of (a, b) or of (a, b, L), whichever is greater: the first two of three whitened parts are made
-    of the first two alone.
+    Where the sides are too unlike, of (a, b) alone if that is greater: the first two of three
+    whitened parts are made of the first two alone.
     """
-    aa = bb = ab = best = np.float32(0)
+    aa = bb = ab = hue = whole = unlike = np.float32(0)
     for c in range(3):
         a = b = np.float32(0)
         for d in range(c + 1):
             a += whiten[c, d] * (mean[0, d] - mean[1, d])
             b += whiten[c, d] * (mean[0, d] - mean[2, d])
         aa, bb, ab = aa + a * a, bb + b * b, ab + a * b
-        if c > 0 and ab > 0:
-            unlike = np.sqrt(max(aa + bb - 2 * ab, np.float32(0)))
-            best = max(best, ab / np.sqrt(max(aa, bb)) - unlike / 2)
-    return best
+        if c > 0:
+            hue, unlike = whole, np.sqrt(max(aa + bb - 2 * ab, np.float32(0)))
+            whole = ab / np.sqrt(max(aa, bb)) - unlike / 2 if ab > 0 else np.float32(0)
+    if unlike > UNLIKE * np.sqrt(min(aa, bb)):
+        whole = max(whole, hue)
+    return max(whole, np.float32(0))
 
 
 @numba.njit(cache=True)

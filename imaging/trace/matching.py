@@ -19,6 +19,7 @@ OWN = 2.0  # cost of each strand width of a join under what is seen of its own c
 BULGES = np.linspace(-1, 1, 5)  # strand widths; sideways bends of a join that are tried
 DISTANCE = 0.1  # cost of each strand width of gap
 FARTHEST = 60.0  # strand widths
+PARTNERS = 24  # of each end that bend least, weighed further; in a weave hundreds lie in reach
 MANY = 100  # possible joins; more are chosen from by an integer program
 MARGIN = 2.0  # cost; joins that are better than others by less are guesses
 ROWS = 10  # points of a join in each strand width, at most one a pixel
@@ -166,7 +167,8 @@ def within_colour(
     i, j = np.nonzero(np.triu(branch[:, None] != branch[None, :], 1))
     bend, gap = bending(points[i], directions[i], points[j], directions[j], width)
     gain = 2 * GIVE_UP - bend - DISTANCE * gap / width
-    good = (gain > 0) & (gap < FARTHEST * width)
+    good = np.flatnonzero((gain > 0) & (gap < FARTHEST * width))
+    good = good[_among_best(i[good], j[good], gain[good])]
     i, j, gain = i[good], j[good], gain[good]
     for some, count in _of_a_length(gap[good] / max(1, width / ROWS)):
         ends_of_some = points[i[some]], directions[i[some]], points[j[some]], directions[j[some]]
@@ -174,6 +176,16 @@ def within_colour(
         gain[some] -= _toll(paths, covered, own, width)
     left = gain > 0
     return list(zip(i[left].tolist(), j[left].tolist(), gain[left].tolist(), strict=True))
+
+
+def _among_best(i: np.ndarray, j: np.ndarray, gain: np.ndarray) -> np.ndarray:
+    """Tell which joins (n,) are among the PARTNERS best of either of their ends."""
+    ends, pair = np.concatenate([i, j]), np.tile(np.arange(len(i)), 2)
+    order = np.lexsort((-gain[pair], ends))
+    first = np.searchsorted(ends[order], ends[order])
+    best = np.zeros(len(i), bool)
+    best[pair[order[np.arange(len(order)) - first < PARTNERS]]] = True
+    return best
 
 
 def _of_a_length(count: np.ndarray) -> Iterator[tuple[np.ndarray, int]]:
