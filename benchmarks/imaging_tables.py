@@ -4,7 +4,7 @@
 
 draws N pictures on each ground of `drawn.tables` (cables plain, glossy, striped, banded, fuzzy and
 plied). A cable is followed when one strand covers 85 % of its length within 1.2 radii; a strand is
-false when less than half of it lies on cables. `--hard` draws them under one lamp near by, with dark
+false when less than half of it lies on cables. `--hard` draws them under one lamp, with dark
 shadows to one side. `--sheet` writes a contact sheet: pictures, and what was followed.
 """
 

@@ -1,4 +1,4 @@
-"""A strand beside its shadow is found in its own width; the shadow is none; grey strands are kept."""
+"""A strand beside its shadow is one, in its own width; grey strands beside others are kept."""
 
 import cv2
 import numpy as np
