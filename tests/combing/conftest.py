@@ -3,7 +3,7 @@
 import subprocess
 
 import pytest
-from browser import NAMES, installed
+from browser import NAMES, installed, page
 
 FLAGS = [
     "--headless",
@@ -18,12 +18,25 @@ FLAGS = [
 ]
 
 
-@pytest.fixture
-def open_page(tmp_path):
-    """Open a page; return its DOM and what the browser logged. Skip where there is no browser."""
-    browser = installed()
-    if browser is None:
+@pytest.fixture(scope="session")
+def browser():
+    """Path of a browser; tests that need one skip where there is none."""
+    found = installed()
+    if found is None:
         pytest.skip(f"no browser: none of {', '.join(NAMES)} is installed")
+    return found
+
+
+@pytest.fixture(scope="module")
+def chromium(browser, tmp_path_factory):
+    """Yield a page of a browser with a hand: real clicks and keys."""
+    with page(tmp_path_factory.mktemp("browser")) as opened:
+        yield opened
+
+
+@pytest.fixture
+def open_page(browser, tmp_path):
+    """Open a page; return its DOM and what the browser logged."""
 
     def open_page(page):
         profile = f"--user-data-dir={tmp_path / 'profile'}"

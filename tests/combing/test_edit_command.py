@@ -4,10 +4,10 @@ import json
 import time
 from pathlib import Path
 
-import browser
 import cv2
 import numpy as np
 import pytest
+from browser import WAIT
 from drawn.waves import off, photographed, waves
 
 import imaging
@@ -21,14 +21,6 @@ def photo(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("photos") / "waves.png"
     cv2.imwrite(str(path), photographed().pixels[..., ::-1])
     return path
-
-
-@pytest.fixture(scope="module")
-def chromium(tmp_path_factory):
-    if browser.installed() is None:
-        pytest.skip(f"no browser: none of {', '.join(browser.NAMES)} is installed")
-    with browser.page(tmp_path_factory.mktemp("browser")) as page:
-        yield page
 
 
 @pytest.fixture
@@ -72,7 +64,7 @@ def saved(page, photo) -> imaging.Measured:
         old.unlink()
     page.press("save")
     page.wait(f"$('hint').textContent.includes('{name}')")
-    until = time.monotonic() + browser.WAIT
+    until = time.monotonic() + WAIT
     while not (page.downloads / name).exists() and time.monotonic() < until:
         time.sleep(0.03)
     (page.downloads / name).replace(photo.with_name(name))

@@ -4,25 +4,15 @@ import base64
 import json
 import re
 
-import browser
 import cv2
 import numpy as np
 import pytest
 from PIL import Image
 
 import sim
-from combing.cli import main
 from combing.viewer import run_page, shown
 from combing.viewer.shots import NODE, _curvature, _packed
 from sim.topology import link_density
-
-
-def command(*args: object) -> int:
-    try:
-        main([str(arg) for arg in args])
-    except SystemExit as leaving:
-        return int(leaving.code or 0)
-    return 0
 
 
 def unpacked(packed, shape):
@@ -35,25 +25,17 @@ def unpacked(packed, shape):
 @pytest.fixture(scope="module")
 def combed(tmp_path_factory):
     """Simulate a combing of three turns and return its file."""
-    path = tmp_path_factory.mktemp("run") / "run.nc"
+    path = tmp_path_factory.mktemp("run") / "made.nc"
     sim.simulate(sim.double_helix(pi1=18, turns=3, elements_per_pitch=8, snapshots=24), path)
     return path
 
 
 @pytest.fixture(scope="module")
 def hanging(tmp_path_factory):
-    path = tmp_path_factory.mktemp("curl") / "run.nc"
+    path = tmp_path_factory.mktemp("curl") / "made.nc"
     scene = sim.curl(n=3, elements=12, length=0.05, duration=0.02, snapshots=5)
     sim.simulate(scene, path)
     return path
-
-
-@pytest.fixture(scope="module")
-def chromium(tmp_path_factory):
-    if browser.installed() is None:
-        pytest.skip(f"no browser: none of {', '.join(browser.NAMES)} is installed")
-    with browser.page(tmp_path_factory.mktemp("browser")) as page:
-        yield page
 
 
 def test_packing_keeps_a_number_to_half_a_step_and_none_as_none():
@@ -76,37 +58,37 @@ def test_the_curvature_of_a_circle_is_that_of_a_circle():
 
 
 def test_the_page_holds_what_the_run_holds(combed):
-    run = sim.open_run(combed)
-    data = shown(run).data
-    positions = np.asarray(run.data["position"])
+    made = sim.open_run(combed)
+    data = shown(made).data
+    positions = np.asarray(made.data["position"])
     np.testing.assert_allclose(unpacked(data["position"], positions.shape), positions, atol=2e-6)
-    assert data["displacement"] == pytest.approx(run.displacements)
-    log = run.force_log()
+    assert data["displacement"] == pytest.approx(made.displacements)
+    log = made.force_log()
     assert max(data["force"]["F"]) == pytest.approx(log["force"].max(), rel=0.2)
     # Over the pair's length the density adds up to the link: lambda_0 times the mean of its share.
-    links = unpacked(data["links"], (len(run.times), -1))
-    for snapshot in (0, len(run.times) // 2):
-        total = link_density(*run.strands(snapshot)).attrs["total_link"]
+    links = unpacked(data["links"], (len(made.times), -1))
+    for snapshot in (0, len(made.times) // 2):
+        total = link_density(*made.strands(snapshot)).attrs["total_link"]
         mean = links[snapshot].mean() * data["rest"] * data["length"][snapshot]
         assert mean == pytest.approx(total, abs=0.12)
 
 
 def test_a_long_run_is_thinned_to_its_end(combed):
-    run = sim.open_run(combed)
-    whole = shown(run)
-    fewer = shown(run, limit=NODE * len(run.times) * run.data.sizes["node"] / 3)
+    made = sim.open_run(combed)
+    whole = shown(made)
+    fewer = shown(made, limit=NODE * len(made.times) * made.data.sizes["node"] / 3)
     assert (whole.every, fewer.every) == (1, 3)
     assert fewer.data["displacement"][-1] == whole.data["displacement"][-1]
     packed = [len(one.data["position"]["steps"]) for one in (whole, fewer)]
     assert packed[1] == pytest.approx(packed[0] / 3, rel=0.05)
 
 
-def test_dragging_the_scrubber_moves_the_strands(combed, chromium, capsys):
+def test_dragging_the_scrubber_moves_the_strands(combed, chromium, capsys, run):
     page = combed.with_suffix(".html")
-    assert command("view", combed) == 0
+    assert run("view", combed) == 0
     assert str(page) in capsys.readouterr().out
     assert page.stat().st_size < 8e6
-    run = sim.open_run(combed)
+    made = sim.open_run(combed)
     chromium.open(page, 640, 480)
     first = chromium.value("document.querySelector('.space canvas').toDataURL()")
     left, width, middle = chromium.value(
@@ -115,10 +97,10 @@ def test_dragging_the_scrubber_moves_the_strands(combed, chromium, capsys):
     )
     chromium.drag((left + 8, middle), (left + 0.6 * width, middle))
     snapshot = int(chromium.value("scrub.value"))
-    assert 0.5 < snapshot / (len(run.times) - 1) < 0.7
+    assert 0.5 < snapshot / (len(made.times) - 1) < 0.7
     told = chromium.value("document.querySelector('.space p').textContent")
     said = float(re.match(r"d = ([\d.]+) mm", told).group(1))
-    assert said == pytest.approx(1e3 * run.displacements[snapshot], abs=0.06)
+    assert said == pytest.approx(1e3 * made.displacements[snapshot], abs=0.06)
     assert chromium.value("document.querySelector('.space canvas').toDataURL()") != first
     for colour in ("strand", "bend", "link"):
         chromium.value(
@@ -128,19 +110,19 @@ def test_dragging_the_scrubber_moves_the_strands(combed, chromium, capsys):
     assert all(address.startswith("file:") for address in chromium.requests)
 
 
-def test_runs_side_by_side_and_scenes_without_a_tine(combed, hanging, chromium, capsys):
+def test_runs_side_by_side_and_scenes_without_a_tine(combed, hanging, chromium, capsys, run):
     both = combed.with_name("both.html")
-    assert command("view", combed, combed, "-o", both) == 0
+    assert run("view", combed, combed, "-o", both) == 0
     chromium.open(both, 640, 480)
     chromium.key("ArrowRight")
     assert chromium.value("spaces.length") == 2
     assert chromium.value("scrub.value") == "1"
-    assert command("view", hanging) == 0
+    assert run("view", hanging) == 0
     chromium.open(hanging.with_suffix(".html"), 640, 480)
     assert chromium.value("$('panels').childElementCount") == 0
     assert chromium.value("$('where').textContent").startswith("t = 0")
     assert chromium.complaints == []
-    assert command("view", combed, hanging) == 2
+    assert run("view", combed, hanging) == 2
     assert "no common axis" in capsys.readouterr().err
 
 
@@ -150,26 +132,26 @@ def test_a_page_of_a_scene_without_a_pair_is_whole(hanging):
     assert json.loads(packed)["runs"][0]["strands"] == [13, 13, 13]
 
 
-def test_a_film_has_a_frame_a_snapshot_and_a_mark_where_the_tine_is(combed, tmp_path, capsys):
+def test_a_film_has_a_frame_a_snapshot_and_a_mark_where_the_tine_is(combed, tmp_path, capsys, run):
     for needed in ("pyvista", "imageio_ffmpeg"):
         pytest.importorskip(needed, reason="needs combing[render]")
-    run = sim.open_run(combed)
-    short = sim.Run(run.data.isel(snapshot=[2, 10, 20]))
-    short.save(tmp_path / "run.nc")
-    assert command("view", tmp_path / "run.nc", "--film", tmp_path / "run.mp4", "--quiet") == 0
-    shots = list(read_film(tmp_path / "run.mp4"))
+    made = sim.open_run(combed)
+    short = sim.Run(made.data.isel(snapshot=[2, 10, 20]))
+    short.save(tmp_path / "made.nc")
+    assert run("view", tmp_path / "made.nc", "--film", tmp_path / "made.mp4", "--quiet") == 0
+    shots = list(read_film(tmp_path / "made.mp4"))
     assert [shot.shape for shot in shots] == [(960, 720, 3)] * 3
     marks = [red_column(shot[740:880]) for shot in shots]
     travels = short.displacements
     # The mark goes along the axis as the tine does.
     expected = (travels[1] - travels[0]) / (travels[2] - travels[0])
     assert (marks[1] - marks[0]) / (marks[2] - marks[0]) == pytest.approx(expected, abs=0.01)
-    assert command("view", tmp_path / "run.nc", "--film", tmp_path / "run.gif", "--quiet") == 0
-    with Image.open(tmp_path / "run.gif") as gif:
+    assert run("view", tmp_path / "made.nc", "--film", tmp_path / "made.gif", "--quiet") == 0
+    with Image.open(tmp_path / "made.gif") as gif:
         assert gif.n_frames == 3
     capsys.readouterr()
-    assert command("view", combed, combed, "--film", tmp_path / "two.mp4") == 2
-    assert command("view", combed, "--film", tmp_path / "run.avi") == 2
+    assert run("view", combed, combed, "--film", tmp_path / "two.mp4") == 2
+    assert run("view", combed, "--film", tmp_path / "made.avi") == 2
     assert ".mp4 or .gif" in capsys.readouterr().err
 
 
