@@ -210,6 +210,10 @@ def test_histogram_draws_densities_and_their_sd(curls):
     (whiskers,) = [one for one in panel.containers if isinstance(one, ErrorbarContainer)]
     segments = np.array(whiskers.lines[2][0].get_segments())
     assert np.diff(segments[:, :, 1]).ravel() == pytest.approx(2 * np.sqrt(densities.var(axis=1)))
+    middles = [bar.get_x() + bar.get_width() / 2 for bar in bars]
+    np.testing.assert_allclose(middles, densities.index - 0.2)
+    np.testing.assert_allclose(segments[:, 0, 0], middles)
+    assert panel.get_ylim()[0] == 0
     dots = [one.get_ydata() for one in panel.lines if one.get_marker() == "."]
     np.testing.assert_allclose(dots, densities.T)
 

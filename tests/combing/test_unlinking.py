@@ -99,6 +99,14 @@ def test_the_tine_is_where_the_strands_meet_it_first():
     assert tine_place(run, 0.03, *kinked, TURNS) == pytest.approx(0.03, abs=1e-3)
 
 
+def test_direction_and_axis_of_the_tine_may_have_any_length():
+    run = Combing()
+    places = [tine_place(run, 0.03, *pair(0.0), TURNS)]
+    run.scene.tines[0].direction, run.scene.tines[0].axis = (0, 0, -2), (0, 3, 0)
+    places.append(tine_place(run, 0.03, *pair(0.0), TURNS))
+    assert places[0] == places[1]
+
+
 def test_facts_of_a_history_that_is_known():
     x = np.linspace(0, 1, 201)
     history = pd.DataFrame({"x": x, "force": x, "excess": x**2, "near": 100 + 50 * x})
@@ -113,6 +121,7 @@ def test_facts_of_a_history_that_is_known():
     assert facts["behind"] == pytest.approx(0.2)
     assert facts["expelled"] == pytest.approx(0.95)
     assert np.isnan(link_facts(history, [])["below_jams"])
+    assert np.isnan(link_facts(history[history["x"] < 0.02], [0.902])["below_jams"])
 
 
 def test_what_is_no_combing_of_a_pair_is_refused():
@@ -144,6 +153,23 @@ def test_changes_of_photographs_are_relative_to_the_one_before():
     assert table.loc["behind", "change"].tolist() == pytest.approx([-0.6, -0.6])
     assert table.loc["behind", "sd"].tolist() == pytest.approx([0.03, 0.03])
     assert table.loc["behind", "s"].tolist() == pytest.approx([0.0055, 0.0155])
+
+
+def test_without_a_photograph_before_the_first_one_is_the_reference():
+    none = {"jump": np.nan, "behind": np.nan}
+    seen = [pd.DataFrame({"s": [0.01], "link": [link], "sd": [5.0]}) for link in (80.0, 120.0)]
+    for one in seen:
+        one.attrs = {"first": (one["link"].item(), 1.0), "jump": lambda lambda_0: none}
+    run = Combing(lambda d: 1.25)
+    chosen = LinkSet.model_construct(name="a", combed=0.1)
+    table = changes(chosen, None, seen, [0.0, 0.03], run)
+    own = table[table["source"] == "experiment"]
+    assert own["change"].tolist() == pytest.approx([0.0, 0.5])
+    jumps = table[(table["source"] == "simulation") & (table["curve"] == "jump")]
+    history = link_history(run, shots=None)
+    np.testing.assert_allclose(jumps["change"], history["jump"])
+    np.testing.assert_allclose(jumps["d"], history["d"])
+    assert (table.loc[table["source"] == "simulation", "sd"] == 0).all()
 
 
 class Photographed(Combing):

@@ -102,3 +102,15 @@ def test_a_left_handed_helix_is_combed_as_the_mirror_image_of_a_right_handed_one
 def test_presets_record_forces_and_frames_when_asked(preset):
     plain, asked = preset().output, preset(forces=True, frames=True).output
     assert (plain.forces, plain.frames, asked.forces, asked.frames) == (False, False, True, True)
+
+
+@pytest.mark.parametrize("handedness", ["right", "left"])
+def test_the_tine_passes_between_the_strands_and_a_pitch_has_its_samples(handedness):
+    """Its axis is normal to the line that joins the strands at its depth, from their shapes."""
+    scene = sim.double_helix(24, height=0.15, q=7.3, handedness=handedness, samples_per_pitch=150)
+    (tine,) = scene.tines
+    turn = 2 * math.pi * -tine.position[2] / (24 * R) * (1 if handedness == "right" else -1)
+    joins = np.array([math.cos(turn), -math.sin(turn), 0.0])  # along -z a right hand turns back
+    assert np.dot(tine.axis, joins) == pytest.approx(0, abs=1e-9)
+    assert np.linalg.norm(tine.axis) == pytest.approx(1)
+    assert scene.output.sample_rate * (24 * R / tine.speed) == pytest.approx(150)
