@@ -1,10 +1,12 @@
 """Cosserat rods in contact, a tine that combs them, and their exact topology."""
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from sim.errors import SceneError, Unstable
+    from sim.equilibrium import equilibrium
+    from sim.errors import NotAtRest, SceneError, Unstable
     from sim.presets import curl, double_helix
     from sim.run import Run, open_run
     from sim.scene import Scene
@@ -14,6 +16,8 @@ if TYPE_CHECKING:
 
 # Imported on first use: numba and its kernels take a second that `import sim` need not.
 _ROOMS = {
+    "equilibrium": "equilibrium",
+    "NotAtRest": "errors",
     "SceneError": "errors",
     "Unstable": "errors",
     "curl": "presets",
@@ -30,6 +34,7 @@ _ROOMS = {
     "writhe": "topology",
 }
 __all__ = [
+    "NotAtRest",
     "Run",
     "Scene",
     "SceneError",
@@ -37,6 +42,7 @@ __all__ = [
     "average_crossing_number",
     "curl",
     "double_helix",
+    "equilibrium",
     "gauss_link",
     "link_density",
     "load_scene",
@@ -51,5 +57,9 @@ def __getattr__(name: str) -> Any:
     if name not in _ROOMS:
         raise AttributeError(f"module 'sim' has no attribute {name!r}")
     value = getattr(import_module(f"sim.{_ROOMS[name]}"), name)
-    globals()[name] = value  # over the submodule `sim.simulate`, which the import has just bound
+    # Over the submodules of the same name, which an import has just bound.
+    for twin in ("equilibrium", "simulate"):
+        if (room := sys.modules.get(f"sim.{twin}")) is not None:
+            globals()[twin] = getattr(room, twin)
+    globals()[name] = value
     return value

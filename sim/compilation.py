@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -22,7 +23,9 @@ from sim.explicit import explicit
 from sim.kernels.compiled import CACHE
 from sim.observers import columns
 from sim.scene import Scene
+from sim.settling import obstacle
 from sim.state import build
+from sim.statics import settle
 
 CHILD = (
     "import sys; sys.path[:] = {path!r}; from sim.compilation import compile_here; "
@@ -58,6 +61,8 @@ def compile_here(scene: str) -> None:
     columns(march)
     with contextlib.suppress(Unstable):
         march.advance(1)
+    if march.scene.until == "rest" and obstacle(march.scene) is None:
+        settle(march, math.inf)
 
 
 def _mark(scene: Scene) -> Path:
@@ -69,4 +74,6 @@ def _mark(scene: Scene) -> Path:
         present.append("damped")
     if effects["tines"] is not None and effects["tines"].strands is not None:
         present.append("strands")
+    if scene.until == "rest" and obstacle(scene) is None:
+        present.append("rest")
     return CACHE / "-".join(["compiled", llvmlite.binding.get_host_cpu_name(), *present])

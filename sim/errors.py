@@ -1,6 +1,9 @@
 """What goes wrong in a simulation, said so that a lab user can act on it."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import Any
 
 
 class SceneError(ValueError):
@@ -48,3 +51,23 @@ class Unstable(RuntimeError):
         """Return the message, and where to look."""
         kept = "" if self.path is None else f"; recorded up to then: {self.path}"
         return f"{self.args[0]}{kept}"
+
+
+class NotAtRest(RuntimeError):
+    """A scene that should have come to rest within its duration has not.
+
+    Attributes
+    ----------
+    run : Run
+        What was recorded; its last snapshot is the state it came to.
+    """
+
+    users_fault = True
+
+    def __init__(self, run: Any) -> None:
+        super().__init__(run)
+        self.run = run
+
+    def __str__(self) -> str:
+        """Return how far it is from rest, and where."""
+        return f"{self.run.unrest()}; give it a longer duration or more drag"

@@ -3,8 +3,8 @@
     run.nc.part/
         about.json      scene, solver, time step, windows, columns of the samples
         samples.f64     a row for every sampling window, raw float64
-        snapshots.f64   a row for every snapshot: time, displacement, x y z of every node, and the
-                        directors of every element if they are asked for
+        snapshots.f64   a row for every snapshot: time, displacement, imbalance, speed, x y z of
+                        every node, and the directors of every element if they are asked for
         checkpoint.npz  all that the march held at the end of some window
         lock            held by the process that writes
 
@@ -35,6 +35,7 @@ ABOUT, CHECKPOINT, LOCK = "about.json", "checkpoint.npz", "lock"
 WALL_TIME, RUN = "wall_time", "run"
 SAMPLES, SNAPSHOTS = "samples.f64", "snapshots.f64"
 VALUE = 8  # bytes
+HEAD = 4  # values of a snapshot before the nodes
 
 
 def part_of(path: Path) -> Path:
@@ -77,7 +78,7 @@ def widths(about: dict[str, Any]) -> dict[str, int]:
     elements = nodes - len(about["strands"])
     return {
         SAMPLES: sum(3 * of["count"] if "of" in of else 1 for of in about["samples"].values()),
-        SNAPSHOTS: 2 + 3 * nodes + 9 * elements * frames,
+        SNAPSHOTS: HEAD + 3 * nodes + 9 * elements * frames,
     }
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sim import rest
 from sim.energy import books
 from sim.kernels.ends import Held
 from sim.marching import Marching
@@ -138,13 +139,16 @@ def due(wanted: int, windows: int) -> set[int]:
     return set(np.linspace(0, windows, wanted).round().astype(int).tolist())
 
 
-def snapshot(march: Marching) -> NDArray[np.float64]:
-    """Return time [s], travel of the first tine [m] and x y z of every node [m], in one row.
+def snapshot(march: Marching, *, start: bool = False) -> NDArray[np.float64]:
+    """Return time [s], travel of the first tine [m], forces out of balance, the largest speed [m/s]
+    and x y z of every node [m], in one row.
 
     With `output.frames` the directors of every element follow, d1, d2, d3 of the first and so on.
+    At the `start` no forces are known.
     """
     travel = march.tine_travel()
     head = [march.time, float(travel[0]) if len(travel) else 0.0]
+    head += [np.nan if start else float(rest.imbalance(march).max()), rest.speed(march)]
     row = [np.array(head), *(strand.ravel() for strand in march.state.strands())]
     if march.scene.output.frames:
         row += [frames.ravel() for frames in march.state.frames()]

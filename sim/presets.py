@@ -27,6 +27,7 @@ from sim.scene import (
     Tine,
 )
 
+LONGEST = {"duration": 1.0, "rest": 10.0}  # s that a curl takes if it is not told
 NYLON_SCALED = 0.078 * 2.8e9  # Pa; the paper scales its simulated filaments by 0.078
 
 
@@ -163,6 +164,7 @@ class Curl(Part):
 
     `curvature` [1/m] is the standard deviation of the intrinsic curvature (10 straight, 40 wavy,
     100 curly), correlated over `correlation` [m]; `spread` [m] the radius of the clamped bundle.
+    They hang `until` a `duration` of 1 s is over, or they are at rest, after 10 s at the latest.
     """
 
     n: Annotated[int, Field(ge=2)] = 12
@@ -176,7 +178,8 @@ class Curl(Part):
     spread: Positive = 2e-3
     friction: NotNegative = 0.0
     elements: Annotated[int, Field(ge=8)] = 60
-    duration: Positive = 1.0
+    duration: Positive | None = None
+    until: Literal["duration", "rest"] = "duration"
     snapshots: Annotated[int, Field(ge=1)] = 8
     forces: bool = False
     frames: bool = False
@@ -184,10 +187,12 @@ class Curl(Part):
 
     def scene(self) -> Scene:
         """Return the scene with these parameters."""
+        duration = self.duration or LONGEST[self.until]
         return Scene(
             title=f"curl of {self.n} hairs",
             rods=[self._rod(root) for root in self._roots()],
-            duration=self.duration,
+            duration=duration,
+            until=self.until,
             gravity=(0.0, 0.0, -9.81),
             # Hairs hardly press on each other: with soft contact, 1 N/m sinks in by r/75.
             contact=Contact(stiffness=1e-3 * self.E),
@@ -201,7 +206,7 @@ class Curl(Part):
             ),
             rotary_inertia="element",
             output=Output(
-                sample_rate=max(100.0, 2 * self.snapshots / self.duration),
+                sample_rate=max(100.0, 2 * self.snapshots / duration),
                 snapshots=self.snapshots,
                 forces=self.forces,
                 frames=self.frames,

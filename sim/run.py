@@ -18,6 +18,11 @@ from sim.scene import Scene
 if TYPE_CHECKING:
     import xarray
 
+IMBALANCE = {
+    "units": "1",
+    "long_name": "largest net force on a node over its weight; over the largest inner force "
+    "without gravity",
+}
 COMBING = 0.01  # of the work: contacts that do less are no combing
 
 
@@ -120,6 +125,29 @@ class Run:
             return np.nan
         return float(d[combing[-1] - 1] + d[combing[-1]]) / 2
 
+    def unrest(self) -> str:
+        """Return in words how far the last snapshot is from rest, nothing where it is at rest.
+
+        At rest is what the scene's `rest_tolerance` says.
+        """
+        if "snapshot_imbalance" not in self.data:
+            return "whether it is at rest is not recorded in this run of an earlier version"
+        force, speed = (float(self.data[f"snapshot_{of}"][-1]) for of in ("imbalance", "speed"))
+        scene = self.scene
+        fastest, weighs = np.inf, scene.gravity is not None and any(scene.gravity)
+        if weighs:
+            longest = max(np.linalg.norm(np.diff(x, axis=0), axis=1).sum() for x in self.strands())
+            fastest = scene.rest_tolerance * np.sqrt(np.linalg.norm(scene.gravity or 0) * longest)
+        if force <= scene.rest_tolerance and speed <= fastest:
+            return ""
+        of = "its weight" if weighs else "the largest inner force"
+        rod = self.data.attrs.get("worst_rod")
+        where = "" if rod is None else f" of rod {rod}"
+        return (
+            f"not at rest at t = {self.times[-1]:.4g} s: a node{where} is out of balance by "
+            f"{force:.2g} of {of}, one moves at {speed:.2g} m/s"
+        )
+
     def save(self, path: str | Path) -> None:
         """Write the run as NetCDF; the file appears whole or not at all."""
         with replacing(Path(path)) as temporary:
@@ -173,17 +201,19 @@ def dataset(recorded: journal.Recorded) -> xarray.Dataset:
     about, samples, snapshots = recorded
     scene = about["scene"]
     nodes = sum(about["strands"])
-    positions = snapshots[:, 2 : 2 + 3 * nodes].reshape(len(snapshots), -1, 3)
+    positions = snapshots[:, journal.HEAD : journal.HEAD + 3 * nodes].reshape(len(snapshots), -1, 3)
     rod = np.repeat(np.arange(len(about["strands"])), about["strands"])
     variables = {
         "position": (("snapshot", "node", "axis"), positions, {"units": "m"}),
         "snapshot_time": ("snapshot", snapshots[:, 0], {"units": "s"}),
         "snapshot_displacement": ("snapshot", snapshots[:, 1], {"units": "m"}),
+        "snapshot_imbalance": ("snapshot", snapshots[:, 2], IMBALANCE),
+        "snapshot_speed": ("snapshot", snapshots[:, 3], {"units": "m/s", "long_name": "largest"}),
         "rod": ("node", rod, {"long_name": "rod that the node belongs to"}),
         "radius": ("strand", [rod["radius"] for rod in scene["rods"]], {"units": "m"}),
     }
     if about.get("frames"):
-        directors = snapshots[:, 2 + 3 * nodes :].reshape(len(snapshots), -1, 3, 3)
+        directors = snapshots[:, journal.HEAD + 3 * nodes :].reshape(len(snapshots), -1, 3, 3)
         axes = ("snapshot", "element", "director", "axis")
         variables["directors"] = (axes, directors, {"long_name": "d1, d2, d3 of every element"})
     variables |= _sampled(about["samples"], samples)

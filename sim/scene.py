@@ -277,11 +277,18 @@ class Output(Part):
 
 
 class Scene(Part):
-    """Rods and the effects that act on them; an effect that is left out costs nothing."""
+    """Rods and the effects that act on them; an effect that is left out costs nothing.
+
+    With ``until = "rest"`` the run ends as soon as no node is out of balance by more than
+    `rest_tolerance` of its weight (of the largest inner force without gravity), nor faster than
+    that part of sqrt(g L); `duration` [s] is then the longest that it may take.
+    """
 
     title: str = "scene"
     rods: list[Rod] = Field(min_length=1)
     duration: Positive
+    until: Literal["duration", "rest"] = "duration"
+    rest_tolerance: Positive = 1e-3
     gravity: Vector | None = None
     contact: Contact | None = None
     friction: Friction | None = None

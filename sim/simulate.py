@@ -20,8 +20,10 @@ from sim.explicit import Explicit, explicit
 from sim.guards.insertion import inserted, link
 from sim.journal import CHECKPOINT, Journal, damaged, differing, part_of, read
 from sim.observers import due, observers, snapshot
+from sim.rest import worst
 from sim.run import Run, dataset, open_run
 from sim.scene import Scene
+from sim.settling import come_to_rest
 
 CHECKPOINT_EVERY = 30.0  # seconds of wall time: what a killed run loses at most
 log = logging.getLogger("sim")
@@ -114,7 +116,10 @@ def _simulate(
     finally:
         journal.close()
     _finish(march, journal, path)
-    return open_run(path)
+    run = open_run(path)
+    if scene.until == "rest" and (unrest := run.unrest()):
+        log.warning(f"{unrest}; give it a longer duration than {scene.duration:g} s")
+    return run
 
 
 def _advance(
@@ -130,14 +135,18 @@ def _advance(
     done = march.steps // steps
     pair = len(march.scene.rods) == 2 and any(tine.travel > 0 for tine in march.scene.tines)
     if done == 0:
-        journal.snapshot(snapshot(march))
+        journal.snapshot(snapshot(march, start=True))
         if pair:
             journal.amend(link_drawn=link(march))
+        if _rests(march, journal, 0):
+            journal.snapshot(snapshot(march))
+            return
     saved = time.monotonic()
     for window in range(done + 1, windows + 1):
         march.advance(steps)
         journal.sample([value for observe in watching for value in observe(march, steps)])
-        if window in instants:
+        rests = _rests(march, journal, window)
+        if window in instants or rests:
             journal.snapshot(snapshot(march))
         if pair and march.steps - steps < march.inserted <= march.steps:
             journal.amend(**inserted(march, journal.about["attributes"]["link_drawn"]))
@@ -147,7 +156,22 @@ def _advance(
             journal.save(freeze(march))
             saved = time.monotonic()
         if progress is not None:
-            progress(window / windows)
+            progress(1.0 if rests else window / windows)
+        if rests:
+            return
+    if march.scene.until == "rest":
+        journal.amend(rest="not reached", worst_rod=worst(march))
+
+
+def _rests(march: Explicit, journal: Journal, window: int) -> bool:
+    """Tell whether a scene that ends at rest has come there, and write down how."""
+    if march.scene.until != "rest":
+        return False
+    way = come_to_rest(march, window)
+    if way is not None:
+        journal.amend(rest=way)
+        log.info("at rest: %s", way)
+    return way is not None
 
 
 def _go_on(march: Explicit, journal: Journal) -> None:

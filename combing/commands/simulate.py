@@ -27,6 +27,7 @@ if TYPE_CHECKING:
               help="Folder for all that is written.")  # fmt: skip
 @click.option("--snapshots", type=int, help="Strands recorded this many times.")
 @click.option("--seed", type=int, help="Another draw of what is random in the scene.")
+@click.option("--rest", is_flag=True, help="End at rest; the scene's duration is then the longest.")
 @click.option("--fresh", is_flag=True, help="Begin anew, also over another or unfinished run.")
 @click.option("--any-cost", is_flag=True, help="Begin also what would take more than a week.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
@@ -38,6 +39,7 @@ def command(
     output: Path,
     snapshots: int | None,
     seed: int | None,
+    rest: bool,
     fresh: bool,
     any_cost: bool,
     as_json: bool,
@@ -65,9 +67,9 @@ def command(
                     q (pitches below the tine), friction, speed, insertion, E, nu, density,
                     elements_per_pitch, imperfection, samples_per_pitch,
                     snapshots, seed, forces, frames
-      curl          n hairs that hang and relax, no tine:
+      curl          n hairs that hang and relax, no tine (until = rest: to the end):
                     n, length, r, curvature, correlation, spread, friction,
-                    E, nu, density, elements, duration, snapshots, seed,
+                    E, nu, density, elements, duration, until, snapshots, seed,
                     forces, frames
 
     \b
@@ -84,7 +86,11 @@ def command(
     Ctrl-C, a crash or a power cut cost at most 30 s of work: the same command goes on from
     run.nc.part in the output folder.
     """
+    if rest and preset == "curl":  # which takes longer to rest than it takes otherwise
+        settings = ("until=rest", *settings)
     made = _scene(scene, preset, settings, {"snapshots": snapshots, "seed": seed})
+    if rest:
+        made = made.model_copy(update={"until": "rest"})
     run = _run(made, output, quiet or as_json, fresh=fresh, any_cost=any_cost)
     summary = _write(run, output)
     if as_json:
@@ -220,5 +226,10 @@ def _summary(
         summary["at displacement [mm]"] = float(f"{1e3 * peak['displacement']:.4g}")
     if links is not None:
         summary["link at the start and the end"] = [_turns(run, 0), _turns(run, -1)]
+    if not run.scene.tines:
+        force, speed = (float(run.data[f"snapshot_{of}"][-1]) for of in ("imbalance", "speed"))
+        summary["largest net force at the end [node weights]"] = float(f"{force:.2g}")
+        summary["largest speed at the end [m/s]"] = float(f"{speed:.2g}")
+        summary["rest"] = about.get("rest", run.unrest() or "at rest")
     summary["written to"] = str(output)
     return summary

@@ -105,7 +105,12 @@ def compare_curl(
             ("Mean density of N-body interactions (1/m)", _means(plotted)),
         ],
         errors=_errors(chosen, measured),
-        notes=notes + _doubts(chosen, measured) + _wrong_counts(chosen, measured),
+        notes=[
+            *notes,
+            *_doubts(chosen, measured),
+            *_wrong_counts(chosen, measured),
+            *_unrest({path: runs[path] for path in chosen.simulations or []}),
+        ],
         synthetic=any(found.attrs["synthetic"] for found in measured),
         curves=stacked(
             _lead(chosen.name, source, curls)
@@ -184,6 +189,11 @@ def _doubts(chosen: CurlSet, photographed: list[pd.DataFrame]) -> list[str]:
         for found in photographed
         for note in found.attrs.get("notes", [])
     ]
+
+
+def _unrest(runs: Mapping[Path, sim.Run]) -> list[str]:
+    """Say which simulated curls still moved when they were counted."""
+    return [f"{path}: {said}" for path, run in runs.items() if (said := run.unrest())]
 
 
 def _wrong_counts(chosen: CurlSet, photographed: list[pd.DataFrame]) -> list[str]:

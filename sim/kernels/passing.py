@@ -72,6 +72,38 @@ def near_pairs(buf, n, contact, limit, found):
 
 
 @kernel
+def haste(buf, contact, moved, depth, slide):
+    """Return by how much listed pairs would move too far if nodes moved so, (n, 3) [m].
+
+    The nearest points of a pair may come nearer until they are `depth` of the contact distance
+    apart, or by a tenth of it, and move against each other by `slide` times it.
+    """
+    worst = 0.0
+    for k in range(contact.pairs.shape[1]):
+        a, b = contact.pairs[0, k], contact.pairs[1, k]
+        p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
+        dp, u = minus(at(buf, X0, X1, X2, a + 1), p0), minus(at(buf, X0, X1, X2, b + 1), q0)
+        s, t = nearest_points(minus(p0, q0), dp, u)
+        gap = along(along(minus(p0, q0), s, dp), -t, u)
+        of_a, of_b = between_nodes(moved, a, s), between_nodes(moved, b, t)
+        step, reach = minus(of_a, of_b), buf[RADIUS + a] + buf[RADIUS + b]
+        distance = math.sqrt(dot(gap, gap)) + 1e-300
+        nearer = -dot(step, gap) / distance
+        worst = max(worst, nearer / max(distance - depth * reach, 0.1 * reach))
+        worst = max(worst, math.sqrt(dot(step, step)) / (slide * reach))
+    return worst
+
+
+@formula
+def between_nodes(values, i, s):
+    """Return what (n, 3) values are at s of element i."""
+    here, there = values[i], values[i + 1]
+    return along((here[0], here[1], here[2]), s, (
+        there[0] - here[0], there[1] - here[1], there[2] - here[2]
+    ))  # fmt: skip
+
+
+@kernel
 def tightness(buf, a, b, contact):
     """Return the distance of elements a and b of one rod over that which a turn round r leaves.
 

@@ -1,5 +1,7 @@
 """The comparison where its answer is known: an experiment that is the simulation itself."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -254,6 +256,13 @@ def test_equal_curls_have_equal_densities(run):
     assert (densities["min"] == densities["max"]).all()
     assert len(result.notes) == 2
     assert "3 strands found where there are 4" in result.notes[0]
+
+
+def test_a_simulated_curl_that_still_moves_when_it_is_counted_is_named(run):
+    path = Path("moving.toml")
+    chosen = CurlSet.model_construct(name="c", strands=None, simulations=[path], truth=None)
+    (note,) = compare_curl(chosen, [], {path: run}, 20).notes
+    assert note.startswith("moving.toml: not at rest at t = ")
 
 
 def test_interactions_that_are_not_there_count_as_errors(tmp_path):

@@ -88,6 +88,22 @@ def interrupt(monkeypatch):
     monkeypatch.undo()
 
 
+def test_a_scene_that_is_to_end_at_rest_says_how_it_came_there(run_combing, tmp_path):
+    path = scene_file(tmp_path, *CURL[:-1], "duration = 20.0")
+    code, out, err = run_combing("simulate", path, "--rest", "-o", tmp_path / "out", "--json")
+    assert code == 0, err
+    summary = json.loads(out)
+    assert summary["rest"].startswith(("the march, t = ", "Newton's method from t = "))
+    assert summary["largest net force at the end [node weights]"] <= 1e-3
+
+
+def test_a_scene_that_has_not_come_to_rest_is_written_and_said_to(run_combing, tmp_path):
+    code, out, err = run_combing("simulate", scene_file(tmp_path), "--rest", "-o", tmp_path / "out")
+    assert code == 0
+    assert "not at rest at t = 0.01 s: a node of rod" in err
+    assert "rest: not reached" in out
+
+
 def test_help_names_every_parameter_of_every_preset(run_combing):
     _, out, _ = run_combing("simulate", "--help")
     words = set(out.replace(",", " ").replace(".", " ").split())

@@ -1,0 +1,227 @@
+"""Rest: static states against closed forms and the march, and what a run says of itself."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import sim
+from sim.explicit import explicit
+from sim.kernels.contact import contact_forces
+from sim.kernels.rod import clear_loads
+from sim.kernels.stiffness import pair_stiffness, touching_pairs
+from sim.neighbours import rebuild
+from sim.rest import imbalance
+from sim.scene import (
+    Contact,
+    Damping,
+    End,
+    Load,
+    Material,
+    Output,
+    Plane,
+    RandomCurvature,
+    Rod,
+    Scene,
+    Straight,
+)
+from sim.state import rigidities
+from sim.statics import settle
+
+HAIR = Material(E=1e9, nu=0.4, density=1300)
+R, LENGTH, G = 7.5e-5, 0.1, 9.81
+DOWN = (0.0, 0.0, -G)
+
+
+def hair(elements=20, direction=(0, 0, -1), root=(0, 0, 0), **more):
+    shape = Straight(root=root, direction=direction, length=LENGTH)
+    return Rod(shape=shape, radius=R, elements=elements, **{"material": HAIR} | more)
+
+
+def scene(*rods, **more):
+    usual = {"duration": 4.0, "gravity": DOWN, "rotary_inertia": "element",
+             "damping": Damping(drag=2 * math.sqrt(G / LENGTH), material=1e-8),
+             "output": Output(sample_rate=100, snapshots=2)}  # fmt: skip
+    return Scene(rods=list(rods), **usual | more)
+
+
+def curly(elements=20, curvature=60.0, **more):
+    return hair(elements, curvature=RandomCurvature(sd=curvature), **more)
+
+
+def settled(of, tolerance=1e-8):
+    march = explicit(of)
+    found = settle(march, tolerance)
+    assert found.converged, found
+    return march.state.strands()
+
+
+def apart(these, those):
+    return max(np.abs(a - b).max() for a, b in zip(these, those, strict=True)) / LENGTH
+
+
+def test_a_straight_rod_hangs_longer_by_its_weight():
+    (x,) = settled(scene(hair()))
+    stretch = 1300 * G * LENGTH**2 / (2 * 1e9)
+    assert -x[-1, 2] - LENGTH == pytest.approx(stretch, rel=1e-3)
+    assert np.abs(x[:, :2]).max() == 0
+
+
+def elastica(load):
+    """Return deflection and reach of a cantilever of length 1 under P L^2/B = load at its tip."""
+
+    def shot(bend):
+        path = solve_ivp(lambda _, y: [y[1], -load * math.cos(y[0]), math.cos(y[0]),
+                                       math.sin(y[0])], (0, 1), [0, bend, 0, 0],
+                         rtol=1e-10, atol=1e-12)  # fmt: skip
+        return path.y[:, -1]
+
+    bend = brentq(lambda b: shot(b)[1], 0, 2 * math.sqrt(load) + load)
+    return shot(bend)[3], shot(bend)[2]
+
+
+@pytest.mark.parametrize("load", [1.0, 10.0])
+def test_a_cantilever_under_an_end_load_is_the_elastica_to_second_order(load):
+    bend, _ = rigidities(HAIR, R)
+    force = (0, 0, -load * bend / LENGTH**2)
+    errors = []
+    for elements in (10, 20):
+        tip = End(load=Load(force=force))
+        (x,) = settled(scene(hair(elements, (1, 0, 0), tip=tip), gravity=None))
+        errors.append(np.abs(np.array([-x[-1, 2], x[-1, 0]]) / LENGTH - elastica(load)).max())
+    assert errors[1] < 5e-3
+    assert 3.5 < errors[0] / errors[1] < 4.5
+
+
+@pytest.mark.parametrize(("part", "stands"), [(0.97, True), (1.03, False)])
+def test_a_column_under_its_own_weight_stands_up_to_greenhills_length(part, stands):
+    """It buckles at w L^3/B = 7.837 (Greenhill 1881): a straight one is at rest, but not stable."""
+    bend, _ = rigidities(HAIR, R)
+    g = part * 7.837 * bend / (1300 * math.pi * R**2 * LENGTH**3)
+    found = settle(explicit(scene(hair(40, (0, 0, 1)), gravity=(0, 0, -g))), 1e-8)
+    assert found.converged == stands
+
+
+def test_a_curly_hair_rests_where_the_march_comes_to_rest():
+    of = scene(curly(12), seed=3)
+    march = explicit(of)
+    march.advance(round(3.0 / march.dt))
+    assert imbalance(march).max() < 1e-5
+    assert apart(settled(of), march.state.strands()) < 1e-6
+
+
+def test_the_shapes_of_one_hair_converge_over_meshes():
+    *shapes, finest = (settled(scene(curly(n)), 1e-5)[0][:: n // 30] for n in (30, 60, 120, 240))
+    errors = [np.abs(shape - finest).max() / LENGTH for shape in shapes]
+    assert errors[0] < 0.01
+    assert errors[2] < errors[0] / 8
+
+
+def leaning(**more):
+    """Three curly hairs that come into each other's way."""
+    rods = [curly(12, root=(x, 0, 0)) for x in (0, 4 * R, 8 * R)]
+    return scene(*rods, contact=Contact(stiffness=1e6), seed=2, **more)
+
+
+def touching(march):
+    pairs = np.zeros_like(march.contact.pairs)
+    count = touching_pairs(march.state.buf, march.contact, np.zeros(12), pairs)
+    return np.ascontiguousarray(pairs[:, :count])
+
+
+@pytest.fixture(scope="module")
+def leant():
+    """Return the march of hairs that touch, brought to rest."""
+    march = explicit(leaning())
+    march.advance(round(1.0 / march.dt))
+    found = settle(march, 1e-7)
+    assert found.converged, found
+    return march
+
+
+def test_strands_in_contact_stay_where_newton_leaves_them(leant):
+    assert touching(leant).shape[1] > 0
+    before = leant.state.strands()
+    assert imbalance(leant).max() <= 1e-7
+    leant.advance(round(0.1 / leant.dt))
+    assert apart(before, leant.state.strands()) < 1e-7
+
+
+def test_contact_stiffness_is_the_derivative_of_the_contact_force(leant):
+    rebuild(leant)
+    state, contact = leant.state, leant.contact
+    clear_loads(state.buf, state.n)
+    contact_forces(state.buf, state.n, 0.0, contact, None)
+    pairs = touching(leant)
+    blocks = np.zeros((pairs.shape[1], 12, 12))
+    pair_stiffness(state.buf, contact, pairs, 1e-5 * R, np.zeros((2, 12)), blocks)
+    size = np.abs(blocks).max()
+    # The planes between elements move with the nodes, which the blocks leave out.
+    assert np.abs(blocks - blocks.transpose(0, 2, 1)).max() < 0.05 * size
+    whole = np.zeros((state.n, 3, 3))  # of every node with itself
+    for k, (a, b) in enumerate(pairs.T):
+        for corner, node in enumerate((a, a + 1, b, b + 1)):
+            at = slice(3 * corner, 3 * corner + 3)
+            whole[node] += blocks[k, at, at]
+    node, step = int(np.argmax(np.abs(whole).max(axis=(1, 2)))), 1e-5 * R
+    for axis in range(3):
+        forces = []
+        for side in (1, -1):
+            state.row(f"X{axis}")[node] += side * step
+            clear_loads(state.buf, state.n)
+            contact_forces(state.buf, state.n, 0.0, contact, None)
+            forces.append(state.rows("F0 F1 F2")[:, node])
+            state.row(f"X{axis}")[node] -= side * step
+        found = (forces[1] - forces[0]) / (2 * step)
+        np.testing.assert_allclose(found, whole[node][:, axis], atol=0.05 * size)
+
+
+def test_equilibrium_of_strands_in_contact_says_how_it_was_found():
+    run = sim.equilibrium(leaning())
+    assert "Newton's method from t = " in run.data.attrs["rest"]
+    assert float(run.data["snapshot_imbalance"][-1]) <= 1e-6
+    assert run.unrest() == ""
+    assert run.times[-1] < 2.0
+    again = sim.equilibrium(leaning())
+    np.testing.assert_array_equal(run.strands()[1], again.strands()[1])
+
+
+def test_hairs_that_cannot_touch_are_at_rest_without_a_march(tmp_path):
+    run = sim.equilibrium(scene(curly(), curly(root=(0.1, 0, 0))), tmp_path / "run.nc")
+    assert run.data.attrs["steps"] == 0
+    assert sim.open_run(tmp_path / "run.nc").unrest() == ""
+
+
+def test_friction_is_refused_and_too_short_a_march_is_an_error():
+    rubbing = sim.curl(3, elements=8, friction=0.2)
+    with pytest.raises(sim.SceneError, match="friction: .* depends on the way there"):
+        sim.equilibrium(rubbing)
+    short = scene(hair(8, (1, 0, 0), (0, 0, 0.2)), planes=[Plane()], duration=0.02)
+    with pytest.raises(sim.NotAtRest, match=r"not at rest at t = 0.02 s: a node of rod 0 .*") as e:
+        sim.equilibrium(short)
+    assert len(e.value.run.times) == 2
+
+
+def test_a_scene_that_newton_does_not_know_is_marched_until_it_rests():
+    """A pendulum on a pin, released level."""
+    pinned = Rod(shape=Straight(direction=(1, 0, -1), length=LENGTH), radius=R, elements=8,
+                 material=HAIR, root=End(hold="pinned"))  # fmt: skip
+    of = scene(pinned, until="rest", duration=20.0)
+    run = sim.simulate(of)
+    assert run.data.attrs["rest"].startswith("the march")
+    assert 0.3 < run.times[-1] < 10
+    assert float(run.data["snapshot_imbalance"][-1]) <= 1e-3
+    assert abs(run.strands()[0][-1, 0]) < 2e-3 * LENGTH
+
+
+def test_a_run_says_how_far_it_is_from_rest():
+    """Just let go, a straight rod is out of balance by its weight, but where it is held."""
+    of = scene(hair(8, (1, 0, 0)), duration=2e-4, output=Output(sample_rate=1e4, snapshots=3))
+    run = sim.simulate(of)
+    force, speed = (np.asarray(run.data[f"snapshot_{name}"]) for name in ("imbalance", "speed"))
+    assert np.isnan(force[0])
+    assert force[-1] == pytest.approx(1, abs=0.2)
+    assert speed[-1] == pytest.approx(G * run.times[-1], rel=0.1)
+    assert "a node is out of balance by" in run.unrest()
