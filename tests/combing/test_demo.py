@@ -46,7 +46,14 @@ def test_demo_leaves_figures_tables_and_nothing_else(demo):
     names = {path.name for path in demo[1].iterdir()}
     figures = {"force", "link", "change_1", "interactions", "errors"}
     expected = {f"{one}.{ending}" for one in figures for ending in ("png", "svg", "csv")}
-    expected |= {"photographs.png", "photographs.svg", "curves.csv", "claims.csv"}
+    expected |= {
+        "composite.png",
+        "composite.svg",
+        "photographs.png",
+        "photographs.svg",
+        "curves.csv",
+        "claims.csv",
+    }
     assert names == expected | {"report.html", "summary.json", "runs"}
 
 
