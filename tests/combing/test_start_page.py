@@ -31,7 +31,8 @@ def test_every_example_of_the_start_page_runs(tmp_path, monkeypatch, capsys):
     assert 12 <= strands <= 15  # twelve hairs, and ends that come out from under others
     assert crossings > strands
     assert 50 < float(re.search(r"f_max = ([\d.]+)", said).group(1)) < 200
-    for made in ("curl/summary.json", "force/summary.json", "run/run.nc", "run/run.html"):
+    named = ("curl/overlay.jpg", "curl/crossings.csv", "curl/DATA.md", "force/force.png")
+    for made in (*named, "force/summary.csv", "run/run.nc", "run/run.html"):
         assert (tmp_path / made).is_file(), made
 
 
