@@ -25,7 +25,7 @@ FACTORS = word_set("factor coef coefficient gain scale multiplier offset faktor 
 ATTRIBUTES = FACTORS | word_set(
     "range unit units channel ch no number nr sensor calibration zero balance filter rate type"
     " einheit einheiten bereich kanal kanalname messbereich unite unites unidad unidades"
-    " レンジ 単位 单位 單位 단위 フィルタ"
+    " レンシ 単位 单位 單位 단위 フィルタ"  # as plain() leaves them
 )
 DELIMITERS = ("\t", ";", ",", "|", "spaces")
 
@@ -133,7 +133,8 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
 def _descriptions(lines: list[str], start: int, delimiter: str, name: str) -> list[int]:
     """Return the lines that describe channels: a word first, where all rows have a number.
 
-    In a column of time, force or length it has to be a channel's: others are damaged rows.
+    In a column of time, force or length, or before numbers alone, it has to be a channel's: others
+    are damaged rows.
     """
     found: list[int] = []
     needed = read_heading(name).quantity is not None
@@ -146,7 +147,8 @@ def _descriptions(lines: list[str], start: int, delimiter: str, name: str) -> li
             return found if all(looks_numeric(cell) for cell in firsts if cell) else []
         words = re.search(r"[^\W\d_]{2}", cells[0])
         known = ATTRIBUTES.issuperset(plain(cells[0]).split())
-        if not words or len(found) == DESCRIBED or (needed and not known):
+        damaged = needed or all(looks_numeric(cell) for cell in cells[1:] if cell)
+        if not words or len(found) == DESCRIBED or (damaged and not known):
             return []
         if _promises(cells, None, Told()):
             return []

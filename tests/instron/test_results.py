@@ -115,6 +115,18 @@ CHANNELS = {
 }
 
 
+@pytest.mark.parametrize("mark", ["nan1", "OVER1", "xx", "nan"])
+def test_a_damaged_first_line_number_describes_no_channel(mark, tmp_path):
+    path = tmp_path / "export.csv"
+    rows = "".join(f"{k},{k / 10},{k / 80},{3.0 * k}\n" for k in range(2, 40))
+    path.write_text(f"No,Time (s),Stroke (mm),Load (N)\n{mark},0.1,0.0125,3.0\n{rows}")
+    try:
+        log = instron.read(path)[0]
+    except instron.Unreadable:
+        return
+    assert len(log) == 39 or log.attrs["warnings"], mark
+
+
 @pytest.mark.parametrize("kind", CHANNELS)
 def test_lines_that_describe_channels_are_no_rows(kind, tmp_path):
     head = CHANNELS[kind]
