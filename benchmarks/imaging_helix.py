@@ -1,10 +1,12 @@
 """Accuracy of the link density on drawn photographs whose truth is known: asked beside reached.
 
-    python benchmarks/imaging_helix.py [goals] [coverage] [lab] [cables] [unlike 36] [--renders 200]
+    python benchmarks/imaging_helix.py [goals] [coverage] [lab] [cables] [--renders 200]
+    python benchmarks/imaging_helix.py unlike 36 [--first SEED]
 
 `goals`: the numbers asked of single helices. `coverage`: the share of the truth that 95 % intervals
 hold, over varied photographs (`helix_renders`), each drawn, segmented and measured from its pixels.
-`lab`: the photographs in data/, whose truth is a simulation. `cables`: twelve megapixels of
+`lab`: the photographs in data/, whose truth is a simulation, and the jumps of link density across
+the tine. `cables`: twelve megapixels of
 cables that do not wind. `unlike N`: intervals on N pictures by
 a renderer with other light (`helix_unlike`). The first three by default; --quick draws 12
 varied photographs and the smaller helices only.
@@ -13,6 +15,7 @@ varied photographs and the smaller helices only.
 import argparse
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import helix_unlike
@@ -25,7 +28,15 @@ from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 from tqdm import tqdm
 
-from imaging import Photo, Unmeasurable, read_photo
+from imaging import (
+    Photo,
+    Unmeasurable,
+    first_link,
+    jump_across,
+    link_before,
+    link_jump,
+    read_photo,
+)
 from imaging.helix import helix
 from imaging.helix.measurement import HelixMeasurement
 from imaging.scale import from_marker
@@ -233,14 +244,48 @@ def coverage(renders: int) -> None:
 
 def lab() -> None:
     """Photographs of the virtual lab beside the simulated strands, at the same picture points."""
-    strands = np.load(DATA / "truth" / "synthetic_strands.npz")
-    for path in sorted((DATA / "photos").glob("synthetic_helix_*.jpg"), key=lambda p: p.stem[::-1]):
+    strands, first = np.load(DATA / "truth" / "synthetic_strands.npz"), None
+    photos = (DATA / "photos").glob("synthetic_helix_*.jpg")
+    for path in sorted(photos, key=lambda p: (not p.stem.endswith("before"), p.stem)):
         scale, photo = from_marker(read_photo(path), MARKER)
         start = time.process_time()
         found = helix(photo, scale=scale)
         seconds = time.process_time() - start
         truth = seen_truth([strands[f"{path.stem}/{k}"] for k in (1, 2)], photo)
-        _report_lab(path.stem.removeprefix("synthetic_"), found, truth, seconds)
+        name = path.stem.removeprefix("synthetic_")
+        _report_lab(name, found, truth, seconds)
+        first = first or (first_link(found), link_in_space(truth))
+        _report_jump(name, found, truth, *first)
+
+
+def link_in_space(truth: pd.DataFrame) -> tuple[float, float]:
+    """Return the link density of strands before they are combed, as `first_link` has it."""
+    return link_before(partial(mean_between, truth), float(truth["s"].iloc[-1]))
+
+
+def mean_between(truth: pd.DataFrame, start: float, end: float) -> tuple[float, float]:
+    s = np.linspace(start, end, 2001)
+    return float(np.interp(s, truth["s"], truth["link"]).mean()), 0.0
+
+
+def _report_jump(
+    name: str,
+    found: HelixMeasurement,
+    truth: pd.DataFrame,
+    seen: tuple[float, float],
+    exact: tuple[float, float],
+) -> None:
+    if found.tine is None:
+        text = f"{seen[0]:.2f} +- {seen[1]:.2f} 1/m, of the strands {exact[0]:.2f}"
+        report(f"{name}: lambda_0", "", text)
+        return
+    jump = link_jump(found, seen)
+    # The same place on the strands: where the photograph shows the tine.
+    nearest = cKDTree(truth[["x", "y"]]).query(found.axis)[1]
+    place = float(np.interp(jump["tine"], found.phase["s"], truth["s"].to_numpy()[nearest]))
+    known = jump_across(partial(mean_between, truth), place, float(truth["s"].iloc[-1]), exact)
+    text = f"{jump['jump']:.2f} +- {jump['jump_sd']:.2f}, of the strands {known['jump']:.2f}"
+    report(f"{name}: jump over lambda_0", "within 0.06", text)
 
 
 def _report_lab(name: str, found: HelixMeasurement, truth: pd.DataFrame, seconds: float) -> None:
@@ -329,6 +374,7 @@ def main() -> None:
     parser.add_argument("parts", nargs="*", metavar="goals, coverage, lab, cables, unlike N")
     parser.add_argument("--renders", type=int, default=200)
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--first", type=int, default=helix_unlike.FIRST, help="seed of `unlike`")
     asked = parser.parse_args()
     parts = asked.parts or ["goals", "coverage", "lab"]
     if "goals" in parts:
@@ -340,7 +386,8 @@ def main() -> None:
     if "cables" in parts:
         refusal()
     if "unlike" in parts:
-        helix_unlike.main(next((int(part) for part in parts if part.isdigit()), 36))
+        count = next((int(part) for part in parts if part.isdigit()), 36)
+        helix_unlike.main(count, asked.first)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,10 @@ from functools import cache
 from pathlib import Path
 from typing import TypeVar, cast
 
+import numpy as np
+import pandas as pd
+
+import instron
 import sim
 from combing.progress import Bar
 from combing.workers import Crew, cores
@@ -107,3 +111,17 @@ def _watch(crew: Crew, total: int, failed: dict[Path, Exception], quiet: bool) -
             bar.update(100 * crew.fraction - bar.n)
 
         crew.wait(look, ended)
+
+
+def scaled(run: sim.Run) -> pd.DataFrame:
+    """Return the force log of a combing scaled by `instron.scale` with its own r and E."""
+    log = run.force_log()
+    own = {key: log.attrs[key] for key in ("r", "E")}
+    return instron.scale(log, instron.Rig.model_validate(own | {"zero": "none"}))
+
+
+def tine_at(run: sim.Run, d: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the middle of a run's first tine after a travel d [m], and its unit axis."""
+    tine = run.scene.tines[0]
+    way, axis = (np.array(v) / np.linalg.norm(v) for v in (tine.direction, tine.axis))
+    return np.array(tine.position) + d * way, axis

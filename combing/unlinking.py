@@ -10,6 +10,7 @@ import imaging
 import instron
 import sim
 from combing.errors import UserError
+from combing.runs import scaled, tine_at
 from sim.topology import box_average, common_arclength
 
 SHOTS = 32  # snapshots that a history looks at
@@ -42,7 +43,7 @@ def link_change(
     UserError
         If the run is not of a pair that a tine combs.
     """
-    before = _before(run)
+    before = first_link(run)
     width = resolution or abs(1 / before)
     D = combing_ends(run)
     tables = []
@@ -83,7 +84,7 @@ def link_history(run: sim.Run, *, shots: int | None = SHOTS) -> pd.DataFrame:
     UserError
         If the run is not of a pair that a tine combs.
     """
-    before, curve = _before(run), _scaled(run)
+    before, curve = first_link(run), scaled(run)
     D, averaged = float(curve.attrs["D"]), instron.averaged(curve)
     last = np.flatnonzero(run.displacements <= D)
     chosen = last if shots is None else last[:: max(1, len(last) // shots)]
@@ -137,7 +138,7 @@ def link_facts(history: pd.DataFrame, jams: Sequence[float]) -> dict[str, float]
 
 def combing_ends(run: sim.Run) -> float:
     """D, the displacement at which combing ends [m], by the rules of `instron.scale`."""
-    return float(_scaled(run).attrs["D"])
+    return float(scaled(run).attrs["D"])
 
 
 def nearest_snapshot(run: sim.Run, d: float) -> int:
@@ -146,14 +147,14 @@ def nearest_snapshot(run: sim.Run, d: float) -> int:
     return int(np.flatnonzero(apart == apart.min())[-1])
 
 
-def _scaled(run: sim.Run) -> pd.DataFrame:
-    log = run.force_log()
-    rig = instron.Rig.model_validate({key: log.attrs[key] for key in ("r", "E")} | {"zero": "none"})
-    return instron.scale(log, rig)
+def first_link(run: sim.Run) -> float:
+    """Return the link density of a pair before it is combed [1/m], by `imaging.link_before`.
 
-
-def _before(run: sim.Run) -> float:
-    """Mean link density of the first snapshot [1/m]."""
+    Raises
+    ------
+    UserError
+        If the run is not of a pair that a tine combs.
+    """
     strands = run.strands(0)
     if len(strands) != 2 or not run.scene.tines:
         what = f"{len(strands)} strands and {len(run.scene.tines)} tines"
@@ -215,11 +216,9 @@ def tine_place(
     turns : float
         Their link.
     """
-    tine = run.scene.tines[0]
-    way, axis = (np.array(v) / np.linalg.norm(v) for v in (tine.direction, tine.axis))
-    place = np.array(tine.position) + d * way
+    place, axis = tine_at(run, d)
     places = []
-    touching = 1.5 * (tine.radius + run.scene.rods[0].radius)
+    touching = 1.5 * (run.scene.tines[0].radius + run.scene.rods[0].radius)
     along = common_arclength(first, second, abs(turns))
     for strand, s in zip((first, second), along, strict=True):
         apart = np.linalg.norm(np.cross(strand - place, axis), axis=1)

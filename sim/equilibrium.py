@@ -8,8 +8,8 @@ from pathlib import Path
 from sim.errors import NotAtRest, SceneError
 from sim.run import Run
 from sim.scene import Scene
-from sim.settling import FINE
 from sim.simulate import simulate
+from sim.statics.settling import FINE
 
 
 def equilibrium(

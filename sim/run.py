@@ -18,6 +18,7 @@ from sim.scene import Scene
 if TYPE_CHECKING:
     import xarray
 
+NOT_REACHED = "not reached"  # what `attrs["rest"]` says of a scene that ran out of time
 IMBALANCE = {
     "units": "1",
     "long_name": "largest net force on a node over its weight; over the largest inner force "
@@ -128,7 +129,8 @@ class Run:
     def unrest(self) -> str:
         """Return in words how far the last snapshot is from rest, nothing where it is at rest.
 
-        At rest is what the scene's `rest_tolerance` says.
+        At rest is what the scene's `rest_tolerance` says; a scene that should have ended at rest
+        and ran out of time is not, though its last snapshot may happen to be in balance.
         """
         if "snapshot_imbalance" not in self.data:
             return "whether it is at rest is not recorded in this run of an earlier version"
@@ -138,7 +140,8 @@ class Run:
         if weighs:
             longest = max(np.linalg.norm(np.diff(x, axis=0), axis=1).sum() for x in self.strands())
             fastest = scene.rest_tolerance * np.sqrt(np.linalg.norm(scene.gravity or 0) * longest)
-        if force <= scene.rest_tolerance and speed <= fastest:
+        gave_up = self.data.attrs.get("rest") == NOT_REACHED
+        if force <= scene.rest_tolerance and speed <= fastest and not gave_up:
             return ""
         of = "its weight" if weighs else "the largest inner force"
         rod = self.data.attrs.get("worst_rod")

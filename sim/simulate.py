@@ -21,9 +21,9 @@ from sim.guards.insertion import inserted, link
 from sim.journal import CHECKPOINT, Journal, damaged, differing, part_of, read
 from sim.observers import due, observers, snapshot
 from sim.rest import worst
-from sim.run import Run, dataset, open_run
+from sim.run import NOT_REACHED, Run, dataset, open_run
 from sim.scene import Scene
-from sim.settling import come_to_rest
+from sim.statics.settling import come_to_rest
 
 CHECKPOINT_EVERY = 30.0  # seconds of wall time: what a killed run loses at most
 log = logging.getLogger("sim")
@@ -160,7 +160,7 @@ def _advance(
         if rests:
             return
     if march.scene.until == "rest":
-        journal.amend(rest="not reached", worst_rod=worst(march))
+        journal.amend(rest=NOT_REACHED, worst_rod=worst(march))
 
 
 def _rests(march: Explicit, journal: Journal, window: int) -> bool:

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from combing.figures.style import SIMULATION, WIDTH, paper_style
+from combing.figures.style import SIMULATION, STRANDS, WIDTH, paper_style
 
 if TYPE_CHECKING:
     from sim import Run
@@ -51,13 +51,12 @@ def _draw_strands(panel: Axes, run: Run) -> None:
     chosen = np.unique(np.linspace(0, len(run.times) - 1, VIEWS).round().astype(int))
     views = [[METRE_TO_MM * strand for strand in run.strands(i)] for i in chosen]
     gap = 0.3 * max(np.ptp(np.concatenate(view)[:, 2]) for view in views)
-    colours = ["#c8321e", "#1f5fa8", "#3b8a3e", "#e8a33d", "#7a4b9a", "0.4"]
     left = 0.0
     for snapshot, view in zip(chosen, views, strict=True):
         low, high = np.concatenate(view)[:, 0].min(), np.concatenate(view)[:, 0].max()
         for number, strand in enumerate(view):
             x = strand[:, 0] - low + left
-            panel.plot(x, strand[:, 2], color=colours[number % len(colours)], lw=0.7)
+            panel.plot(x, strand[:, 2], color=STRANDS[number % len(STRANDS)], lw=0.7)
         label = f"{METRE_TO_MM * run.displacements[snapshot]:.0f} mm" if run.scene.tines else (
             f"{run.times[snapshot]:.2g} s"
         )  # fmt: skip

@@ -15,6 +15,7 @@ BAND = "0.78"
 SIMULATION = "#c8321e"
 CAMERA = "#e8a33d"
 THEORY = "#1f5fa8"
+STRANDS = ["#c8321e", "#1f5fa8", "#3b8a3e", "#e8a33d", "#7a4b9a", "#666666"]  # one after another
 WIDTH = 7.2  # inches: both columns of a journal page
 
 STYLE: dict[Any, Any] = {

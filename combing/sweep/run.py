@@ -11,6 +11,7 @@ import instron
 import sim
 from combing.ensemble import Member
 from combing.progress import Bar
+from combing.runs import scaled
 from combing.study.plan import Sweep
 from combing.sweep.store import Store, part_of_points
 from combing.tables import write_table
@@ -118,10 +119,8 @@ def measured(run: sim.Run) -> dict[str, float]:
     """Return f_max, D [m] and w of a combing by the rules of `instron.scale`; nothing of a curl."""
     if not run.scene.tines:
         return {}
-    log = run.force_log()
-    rig = instron.Rig.model_validate({"r": log.attrs["r"], "E": log.attrs["E"], "zero": "none"})
     try:
-        facts = instron.scale(log, rig).attrs
+        facts = scaled(run).attrs
     except instron.Unscalable:
         return {}
     return {key: float(facts[key]) for key in ("f_max", "D", "w")}

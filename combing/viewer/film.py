@@ -17,8 +17,9 @@ from PIL import Image
 import sim
 from combing.camera import Camera, facing
 from combing.errors import UserError
-from combing.figures.style import SIMULATION, paper_style
+from combing.figures.style import SIMULATION, STRANDS, paper_style
 from combing.render import Tine, render
+from combing.runs import tine_at
 from sim.files import replacing
 
 Picture = NDArray[np.uint8]
@@ -26,7 +27,6 @@ Picture = NDArray[np.uint8]
 COLOURS = 64  # colours of a gif
 SIZE, CURVE = (720, 720), (720, 240)  # px, of the strands and of the curve below them
 LASTS = 8.0  # s
-STRANDS = ("#c8321e", "#1f5fa8", "#3b8a3e", "#e8a33d", "#7a4b9a", "#5d6a75")
 MARK = tuple(int(255 * part) for part in to_rgb(SIMULATION))
 
 
@@ -120,10 +120,9 @@ def _tine(run: sim.Run, snapshot: int) -> Tine | None:
     if not run.scene.tines:
         return None
     tine = run.scene.tines[0]
-    way = np.array(tine.direction) / np.linalg.norm(tine.direction)
-    centre = np.array(tine.position) + float(run.displacements[snapshot]) * way
+    centre, axis = tine_at(run, float(run.displacements[snapshot]))
     span = float(np.ptp(np.asarray(run.data["position"])[..., 2]))
-    return Tine(centre, np.array(tine.axis), tine.radius, min(tine.length, span / 4))
+    return Tine(centre, axis, tine.radius, min(tine.length, span / 4))
 
 
 def _curve(run: sim.Run) -> tuple[Picture, Callable[[float], int]]:

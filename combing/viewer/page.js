@@ -3,7 +3,7 @@ const { runs, maps } = JSON.parse(document.getElementById("data").textContent);
 const $ = (id) => document.getElementById(id);
 const combed = runs.every((run) => run.D !== undefined);
 const driven = runs.every((run) => run.tine);
-const INKS = runs.length > 1 ? STRANDS : ["#c8321e"];
+const INKS = runs[0].inks;
 
 // How far a run has come at a snapshot: x = d/D, else the displacement or the time.
 function progress(run) {
@@ -46,7 +46,7 @@ if (combed) {
 }
 for (const [key, { name }] of Object.entries(COLOURS)) $("colour").add(new Option(name, key));
 
-const strandInks = STRANDS.map((ink) => [1, 3, 5].map((k) => parseInt(ink.slice(k, k + 2), 16) / 255));
+const strandInks = INKS.map((ink) => [1, 3, 5].map((k) => parseInt(ink.slice(k, k + 2), 16) / 255));
 
 function painter(index, snapshot) {
   const { space } = spaces[index];

@@ -11,7 +11,9 @@ import pandas as pd
 
 import instron
 import sim
-from combing.unlinking import tine_place
+from combing.figures.style import STRANDS
+from combing.runs import scaled, tine_at
+from combing.unlinking import first_link, tine_place
 from sim.topology import common_arclength
 
 LIMIT = 7_000_000  # bytes of packed runs on one page; the page itself takes 0.6 MB
@@ -60,6 +62,7 @@ def shown(run: sim.Run, *, limit: float = LIMIT) -> Shown:
         "position": _packed(np.asarray(run.data["position"])[chosen]),
         "bend": _packed(np.stack([_strain(run, i) for i in chosen])),
         "tine": _tine(run),
+        "inks": STRANDS,
     }
     if pair is not None:
         data |= pair.curves(chosen)
@@ -101,15 +104,13 @@ def _tine(run: sim.Run) -> dict[str, Any] | None:
     tines = run.scene.tines
     if not tines:
         return None
-    tine = tines[0]
-    way = np.array(tine.direction) / np.linalg.norm(tine.direction)
-    axis = np.array(tine.axis) / np.linalg.norm(tine.axis)
+    start, axis = tine_at(run, 0.0)
     return {
-        "position": list(tine.position),
-        "direction": way.tolist(),
+        "position": start.tolist(),
+        "way": (tine_at(run, 1.0)[0] - start).tolist(),
         "axis": axis.tolist(),
-        "radius": tine.radius,
-        "length": tine.length,
+        "radius": tines[0].radius,
+        "length": tines[0].length,
     }
 
 
@@ -117,12 +118,7 @@ class _Pair:
     """Force and link density of a pair that a tine combs."""
 
     def __init__(self, run: sim.Run) -> None:
-        self.run = run
-        found = sim.link_density(*run.strands(0))
-        self.rest = float(found.attrs["total_link"] / found.attrs["length"])
-        log = run.force_log()
-        rig = instron.Rig.model_validate({"r": log.attrs["r"], "E": log.attrs["E"], "zero": "none"})
-        self.curve = instron.scale(log, rig)
+        self.run, self.rest, self.curve = run, first_link(run), scaled(run)
 
     def curves(self, chosen: np.ndarray) -> dict[str, Any]:
         D, averaged = float(self.curve.attrs["D"]), instron.averaged(self.curve)

@@ -1,5 +1,4 @@
 // Strands of one run in space: a cylinder on every element, a ball on every node.
-const STRANDS = ["#c8321e", "#1f5fa8", "#3b8a3e", "#e8a33d", "#7a4b9a", "#5d6a75", "#0f8f8f", "#b0467d"];
 
 class Space {
   constructor(place, run) {
@@ -91,9 +90,9 @@ class Space {
       mesh.instanceMatrix.needsUpdate = mesh.instanceColor.needsUpdate = true;
     }
     if (this.tine) {
-      const { position, direction } = this.run.tine;
+      const { position, way } = this.run.tine;
       this.tine.position.set(...position);
-      this.tine.position.addScaledVector(new THREE.Vector3(...direction), this.run.displacement[snapshot]);
+      this.tine.position.addScaledVector(new THREE.Vector3(...way), this.run.displacement[snapshot]);
     }
     this.draw();
   }

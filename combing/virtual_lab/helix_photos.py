@@ -1,7 +1,6 @@
 """Photographs of a combing: before the tine, and with the tine on its way down."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 import sim
 from combing.camera import Array, Camera
 from combing.render import Tine
+from combing.runs import tine_at
 from combing.virtual_lab.photographs import NYLON, broadside, frame, photograph, smooth
 
 PLACES = (0.004, 0.008, 0.014, 0.04, 0.065, 0.09)
@@ -72,7 +72,7 @@ def view(run: sim.Run, shot: Shot) -> Camera:
 
 def take(run: sim.Run, shot: Shot, *, rng: np.random.Generator | int | None) -> NDArray[np.uint8]:
     """Take the picture (h, w, 3)."""
-    tine = None if np.isnan(shot.d) else _tine(run.scene.tines[0], shot.d)
+    tine = None if np.isnan(shot.d) else _tine(run, shot.d)
     strands = strands_of(run, shot)
     radius = run.scene.rods[0].radius
     return photograph(strands, radius, NYLON, view(run, shot), tine=tine, rng=rng)
@@ -84,11 +84,6 @@ def true_link(run: sim.Run, shot: Shot) -> pd.DataFrame:
     return pd.DataFrame({"photo": shot.name, "s": table["s"], "link": table["link"]})
 
 
-def _tine(tine: Any, d: float) -> Tine:
-    way = np.array(tine.direction) / np.linalg.norm(tine.direction)
-    return Tine(
-        centre=np.array(tine.position) + d * way,
-        axis=np.array(tine.axis),
-        radius=tine.radius,
-        length=min(tine.length, TINE_SHOWN),
-    )
+def _tine(run: sim.Run, d: float) -> Tine:
+    (centre, axis), tine = tine_at(run, d), run.scene.tines[0]
+    return Tine(centre, axis, tine.radius, min(tine.length, TINE_SHOWN))

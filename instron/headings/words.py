@@ -146,6 +146,9 @@ PARTS = word_set(
     " channel ch kanal canal voie cell cells sensor sensors lc kmd dms lvdt a b c d i ii iii iv"
 )
 # Of these, what counts the sensors of one machine.
+# What says that a unit follows.
+UNIT = word_set("unit units einheit einheiten unite unites unidad unidades 単位 单位 單位 단위")
+
 CHANNELS = word_set("channel ch kanal canal voie cell cells sensor sensors lc kmd dms lvdt axis")
 ACROSS = word_set("lateral transverse transversal radial shear tangential quer horizontal")
 # Says nothing that would tell one column from another.

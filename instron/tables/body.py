@@ -28,9 +28,15 @@ from instron.tables.blocks import (
     repeated_blocks,
 )
 from instron.tables.footer import ends_in_statistics, ends_rows, is_statistic
-from instron.tables.layout import Header, find_header, is_row, quotes_are_torn, split_cells
+from instron.tables.layout import (
+    Header,
+    find_header,
+    is_blank,
+    is_row,
+    quotes_are_torn,
+    split_cells,
+)
 
-BLANK = " \t,;|\"'"
 BLOCK_HEAD = 8  # lines from the end of a block's rows to the names of the next
 _PLAIN_ROW = re.compile(r"[\s\d.,;|+\-eE\"]*\d[\s\d.,;|+\-eE\"]*")
 # Two quotes at a digit: an empty cell has marks on both sides, a doubled quote stands in words.
@@ -70,7 +76,7 @@ def read_bodies(source: Source, header: Header, delimiter: str, told: Told) -> l
     for block, rows, cut in _walk(source, header, delimiter, told):
         bodies.append(_exact(source, block, rows, delimiter))
         gaps = (source.lines[a + 1 : b] for a, b in pairwise(rows) if b - a > 1)
-        marks = sum(any(line.strip(BLANK) for line in gap) for gap in gaps)
+        marks = sum(not all(map(is_blank, gap)) for gap in gaps)
         if marks:
             note = f"{marks + 1} blocks without headings of their own read as one test"
             bodies[-1].warnings.append(note)
@@ -256,7 +262,7 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
     width, marks = header.first_unnamed(), marks_above(source, header, delimiter)
     for number in range(header.first_row, len(lines)):
         line = lines[number]
-        if not line.strip(BLANK):
+        if is_blank(line):
             continue
         cells = split_cells(line, delimiter)
         if _QUOTED_WITHIN.search(line):

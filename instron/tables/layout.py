@@ -7,7 +7,7 @@ from functools import partial
 from instron.headings.columns import Sample, Specimen, Told, choose, from_units_alone, might_be
 from instron.headings.grammar import read_heading
 from instron.headings.units import is_unit
-from instron.headings.words import plain, word_set
+from instron.headings.words import UNIT, plain, word_set
 from instron.numbers.numerals import looks_numeric
 
 LONGEST_HEADER = 20_000  # characters; names of a hundred specimens side by side need 10 000
@@ -18,14 +18,17 @@ COMMENTS = 2  # lines of words that may stand between a header and its first row
 DESCRIBED = 8  # lines that may describe the channels between a header and its first row
 ABOVE = 12  # lines above a header among which one may state the units
 BESIDE = 5  # first rows that all fill a column without a name: somebody's own
-UNIT_LABELS = {"unit", "units", "y unit label", "einheit", "einheiten", "unite", "unites",
-               "unidad", "unidades", "単位", "单位", "單位", "단위"}  # fmt: skip
+UNIT_LABELS = UNIT | {"y unit label"}
 FACTORS = word_set("factor coef coefficient gain scale multiplier offset faktor koeffizient"
                    " 校正係数 オフセット 係数 系数")  # fmt: skip
-ATTRIBUTES = FACTORS | word_set(
-    "range unit units channel ch no number nr sensor calibration zero balance filter rate type"
-    " einheit einheiten bereich kanal kanalname messbereich unite unites unidad unidades"
-    " レンシ 単位 单位 單位 단위 フィルタ"  # as plain() leaves them
+ATTRIBUTES = (
+    FACTORS
+    | UNIT
+    | word_set(
+        "range channel ch no number nr sensor calibration zero balance filter rate type"
+        " bereich kanal kanalname messbereich"
+        " レンシ フィルタ"  # as plain() leaves them
+    )
 )
 DELIMITERS = ("\t", ";", ",", "|", "spaces")
 
@@ -133,8 +136,8 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
 def _descriptions(lines: list[str], start: int, delimiter: str, name: str) -> list[int]:
     """Return the lines that describe channels: a word first, where all rows have a number.
 
-    In a column of time, force or length, or before numbers alone, it has to be a channel's: others
-    are damaged rows.
+    In a column of time, force or length, or before any number, it has to be a channel's: others are
+    damaged rows.
     """
     found: list[int] = []
     needed = read_heading(name).quantity is not None
@@ -147,7 +150,7 @@ def _descriptions(lines: list[str], start: int, delimiter: str, name: str) -> li
             return found if all(looks_numeric(cell) for cell in firsts if cell) else []
         words = re.search(r"[^\W\d_]{2}", cells[0])
         known = ATTRIBUTES.issuperset(plain(cells[0]).split())
-        damaged = needed or all(looks_numeric(cell) for cell in cells[1:] if cell)
+        damaged = needed or any(map(looks_numeric, cells[1:]))
         if not words or len(found) == DESCRIBED or (damaged and not known):
             return []
         if _promises(cells, None, Told()):
@@ -205,7 +208,7 @@ def _promises(names: list[str], units: list[str] | None, told: Told) -> bool:
 
 def _named_above(lines: list[str], number: int, delimiter: str) -> bool:
     """Tell whether the line above a row of units names its columns."""
-    above = next((line for line in reversed(lines[:number]) if line.strip(" \t,;|\"'")), "")
+    above = next((line for line in reversed(lines[:number]) if not is_blank(line)), "")
     names = [cell for cell in split_cells(above, delimiter) if cell]
     units = [cell for cell in split_cells(lines[number], delimiter) if cell]
     return len(names) == len(units) and not any(map(looks_numeric, names))
@@ -242,6 +245,11 @@ def _closed_line(lines: list[str], number: int) -> tuple[str, int]:
     return line, after
 
 
+def is_blank(line: str) -> bool:
+    """Tell whether nothing stands in a line but delimiters and quotes."""
+    return not line.strip(" \t,;|\"'")
+
+
 def is_row(cells: list[str], used: list[int]) -> bool:
     """Tell whether all used cells that are not empty hold numbers, and at least two do."""
     filled = [cells[i] for i in used if i < len(cells) and cells[i]]
@@ -267,6 +275,6 @@ def _units_row(
 
 
 def _skip_blank(lines: list[str], number: int) -> int:
-    while number < len(lines) and not lines[number].strip(" \t,;|\"'"):
+    while number < len(lines) and is_blank(lines[number]):
         number += 1
     return number

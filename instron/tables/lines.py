@@ -10,7 +10,7 @@ from instron.numbers.numerals import looks_numeric
 from instron.source.files import Source
 from instron.tables.body import Body
 from instron.tables.footer import is_statistic
-from instron.tables.layout import Header, split_cells
+from instron.tables.layout import Header, is_blank, split_cells
 
 ROLES = ("blank", "metadata", "heading", "units", "block head", "data", "end mark", "lost")
 BLANK, METADATA, HEADING, UNITS, BLOCK_HEAD, DATA, END_MARK, LOST = range(len(ROLES))
@@ -72,8 +72,7 @@ def ledger(
         rows = body.lines
         if not isinstance(rows, range):
             for number in set(range(int(rows[0]), int(rows[-1]))).difference(map(int, rows)):
-                blank = not source.line(number).strip(" \t,;|\"'")
-                roles[number] = BLANK if blank else BLOCK_HEAD
+                roles[number] = BLANK if is_blank(source.line(number)) else BLOCK_HEAD
         roles[slice(rows.start, rows.stop) if isinstance(rows, range) else np.asarray(rows)] = (
             DATA if any(body is log for log in taken) else LOST
         )
@@ -89,7 +88,7 @@ def ledger(
 def _role(source: Source, header: Header | None, number: int, above: int, delimiter: str) -> int:
     """Return the role of a line that is no row of a table that was read."""
     line = source.line(number)
-    if not line.strip(" \t,;|\"'"):
+    if is_blank(line):
         return BLANK
     if header and header.line <= number < header.first_row:
         return UNITS if number == header.units else HEADING

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from instron.headings.grammar import quantity_of, split_unit
 from instron.headings.units import Unit, read_unit
-from instron.headings.words import plain, word_set
+from instron.headings.words import UNIT, plain, word_set
 from instron.numbers.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.tables.layout import Header, split_cells
 
@@ -17,7 +17,6 @@ MAXIMUM = word_set(
 LOAD = word_set("load force kraft last carga charge forza carico fmax hochstkraft maximalkraft")
 # What may stand beside those two without making it another quantity or another place.
 BESIDE = word_set("tensile compressive compression flexure flexural standard test value the of")
-UNIT_WORDS = word_set("unit units einheit einheiten unite unites unidad unidades of der 単位 单位")
 LONGEST_TABLE = 60  # lines
 _WORDS = re.compile(r"[^\W\d_]{3}")
 LABEL = re.compile(r"specimen (label|name|id)|sample (name|id|label)|^specimen$|^sample$|probe\b")
@@ -53,7 +52,7 @@ def stated_units(facts: Mapping[str, str]) -> dict[str, Unit]:
     for fact, rest in facts.items():
         key, _, value = f"{fact} : {rest}".partition(":")
         key = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", key)
-        words = [word for word in plain(key).split() if word not in UNIT_WORDS]
+        words = [word for word in plain(key).split() if word not in UNIT | {"of", "der"}]
         units = list(filter(None, map(read_unit, re.split(r"[\s,;:/]+", value))))
         if len(words) == len(plain(key).split()) or len(words) > 2:
             continue

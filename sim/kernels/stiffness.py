@@ -1,9 +1,9 @@
 """Stiffness of the contact of two elements: how the forces on their nodes change with these."""
 
 from sim.kernels.compiled import kernel
-from sim.kernels.contact import Contact  # noqa: F401  (what `contact` is)
+from sim.kernels.contact import contact_interval
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.overlap import interval, press
+from sim.kernels.overlap import press
 from sim.kernels.runs import LENGTH_OF, bounds
 from sim.kernels.vectors import along, at, minus
 
@@ -14,9 +14,8 @@ def pair_forces(buf, contact, a, b, force):
     p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
     w, dp = minus(p0, q0), minus(at(buf, X0, X1, X2, a + 1), p0)
     u = minus(at(buf, X0, X1, X2, b + 1), q0)
-    n0, n1 = at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1)
     reach = buf[RADIUS + a] + buf[RADIUS + b]
-    low, high = interval(w, dp, u, n0, n1, buf[OVERHANG + b], buf[OVERHANG + b + 1], reach)
+    low, high = contact_interval(buf, a, b, reach)
     force[:] = 0.0
     if low < high:
         line = contact.stiffness * buf[LENGTH + a]

@@ -116,10 +116,11 @@ CHANNELS = {
 
 
 @pytest.mark.parametrize("mark", ["nan1", "OVER1", "xx", "nan"])
-def test_a_damaged_first_line_number_describes_no_channel(mark, tmp_path):
+@pytest.mark.parametrize("cells", ["0.1,0.0125,3.0", "0.1,0.0125,x", "--,0.0125,3.0", "ab,cd,3.0"])
+def test_a_damaged_first_line_number_describes_no_channel(mark, cells, tmp_path):
     path = tmp_path / "export.csv"
     rows = "".join(f"{k},{k / 10},{k / 80},{3.0 * k}\n" for k in range(2, 40))
-    path.write_text(f"No,Time (s),Stroke (mm),Load (N)\n{mark},0.1,0.0125,3.0\n{rows}")
+    path.write_text(f"No,Time (s),Stroke (mm),Load (N)\n{mark},{cells}\n{rows}")
     try:
         log = instron.read(path)[0]
     except instron.Unreadable:

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
-from sim.balance import Balance, to_lab, turned
 from sim.guards.passing import deep_pairs, newcomer
 from sim.marching import Marching
+from sim.statics.balance import Balance, to_lab, turned
 
 Array = NDArray[np.float64]
 

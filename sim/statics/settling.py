@@ -10,7 +10,7 @@ import numpy as np
 from sim import checkpoint, rest
 from sim.marching import Marching
 from sim.scene import Scene
-from sim.statics import settle
+from sim.statics.newton import settle
 
 CALM = 0.01  # of `rest.pace`: fastest march that Newton's method is tried on
 FAR = 0.02  # of the longest rod: more would be another branch than the march is on
