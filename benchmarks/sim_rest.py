@@ -34,7 +34,7 @@ def shapes(seed: int) -> None:
 
     def hair(elements: int) -> np.ndarray:
         parameters = {"length": 0.1, "curvature": 60, "correlation": 0.01, "seed": seed}
-        scene = sim.curl(n=1, elements=elements, **parameters).model_copy(update={"contact": None})
+        scene = sim.curl(n=2, elements=elements, **parameters).model_copy(update={"contact": None})
         march = explicit(scene)
         assert settle(march, 1e-5).converged  # noqa: S101
         return march.state.strands()[0][:: elements // MESHES[0]]

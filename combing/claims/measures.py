@@ -9,6 +9,7 @@ from scipy import stats
 from combing.claims.claim import Finding
 
 LEVEL = 0.95
+PERFECT = 0.999  # correlation from which on Fisher's z tells nothing more
 Measure = Callable[[pd.DataFrame], Finding | None]
 
 
@@ -53,6 +54,21 @@ def mean(column: str) -> Measure:
             return Finding(middle, np.nan, np.nan)
         half = stats.t.ppf((1 + LEVEL) / 2, len(values) - 1) * stats.sem(values)
         return Finding(middle, float(middle - half), float(middle + half))
+
+    return measure
+
+
+def mean_correlation(column: str) -> Measure:
+    """Measure the mean of correlations in `column`: by Fisher's z, so that it stays below 1."""
+
+    def measure(curves: pd.DataFrame) -> Finding | None:
+        if column not in curves:
+            return None
+        z = np.arctanh(curves[column].clip(-PERFECT, PERFECT))
+        found = mean(column)(curves.assign(**{column: z}))
+        if found is None:
+            return None
+        return Finding(*(float(np.tanh(z)) for z in (found.value, found.low, found.high)))
 
     return measure
 

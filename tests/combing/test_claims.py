@@ -8,6 +8,7 @@ from combing.claims import Verdict, all_claims, judge
 from combing.claims.measures import (
     exponent,
     mean,
+    mean_correlation,
     rank_correlation,
     ratio_of_ends,
     ratio_of_fullness,
@@ -97,6 +98,18 @@ def test_ratio_and_share_of_known_curves():
     assert found.value == 0.5
     assert [found.low, found.high] == pytest.approx([0.1871, 0.8129], abs=1e-4)
     assert share("jams", lambda value: value > 90)(table) is None
+
+
+def test_a_mean_of_correlations_stays_within_one():
+    table = pd.DataFrame({"rho": [0.95, 0.9, 0.3, np.nan, 1.0]})
+    found = mean_correlation("rho")(table)
+    z = np.arctanh([0.95, 0.9, 0.3, 0.999])
+    half = 3.1824 * np.std(z, ddof=1) / 2  # Student's t of 3
+    expected = np.tanh([z.mean(), z.mean() - half, z.mean() + half])
+    assert [found.value, found.low, found.high] == pytest.approx(expected, abs=1e-4)
+    assert found.high < 1 < mean("rho")(table).high
+    assert mean_correlation("none")(table) is None
+    assert np.isnan(mean_correlation("rho")(table[:1]).low)
 
 
 def test_mean_and_rank_correlation_of_known_curves():
