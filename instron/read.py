@@ -25,6 +25,7 @@ from instron.tables.checks import (
     mixed_units,
     refuse_fill_values,
     refuse_moved_points,
+    refuse_other_units,
     refuse_torn_decimals,
 )
 from instron.tables.join import joined
@@ -148,6 +149,7 @@ def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list
     taken = logs_only(bodies if told.columns or bare else no_lists(source, bodies, delimiter))
     logs = joined(taken, source.head[0].startswith(ONE_TEST))
     _refuse_questions(source, logs)
+    refuse_other_units(source, logs, delimiter)
     logs = by_label(source, logs, delimiter)
     stated = stated_maxima(_outside(source, bodies, taken), delimiter)
     odd = {body.cut: LOST for body in bodies if body.cut is not None}

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from instron.headings.grammar import Heading, read_heading
-from instron.headings.units import Unit, read_unit
+from instron.headings.units import MASSES, Unit, read_unit
 from instron.headings.words import CHANNELS, QUANTITIES, SPECIMEN, plain
 from instron.numbers.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 
@@ -164,8 +164,14 @@ def _candidates(headings: list[Heading], quantity: str, sample: Sample, told: To
 
 def _by_unit(headings: list[Heading], found: dict[str, list[Found]], told: Told) -> list[str]:
     """Add the only column in a unit of force, or of length, where no name tells, and say so."""
+    alike = {q: [(i, h) for i, h in enumerate(headings) if might_be(h, q)]
+             for q in ("force", "displacement")}  # fmt: skip
+    if not (found["force"] or found["displacement"] or told.columns) and sure(alike):
+        found |= alike
+        names = " and ".join(f"'{alike[q][0][1].name}'" for q in ("displacement", "force"))
+        return [f"no heading names displacement or force: {names} are taken by their units"]
     for quantity, other in (("force", "displacement"), ("displacement", "force")):
-        alone = [(i, h) for i, h in enumerate(headings) if might_be(h, quantity)]
+        alone = alike[quantity]
         if (
             len(alone) == 1
             and found[other]
@@ -177,6 +183,15 @@ def _by_unit(headings: list[Heading], found: dict[str, list[Found]], told: Told)
             return [f"no heading names a {quantity}: '{alone[0][1].name}' is the only column in"
                     f" {unit.text if unit else ''}"]  # fmt: skip
     return []
+
+
+def sure(alike: Mapping[str, Sequence[Found]]) -> bool:
+    """Tell whether one column has a unit of length and one of force, which no mass has."""
+    if [len(columns) for columns in alike.values()] != [1, 1]:
+        return False
+    force = alike["force"][0][1]
+    unit = None if read_unit(force.text) else force.unit  # a unit alone is no name
+    return unit is not None and unit.text.strip("()[]<>{} .").casefold() not in MASSES
 
 
 def might_be(heading: Heading, quantity: str) -> bool:

@@ -27,6 +27,7 @@ from instron.headings.words import (
     QUANTITIES,
     SECONDARY,
     SETPOINT,
+    SETPOINT_PIECES,
     SPECIMEN,
     SYMBOLS,
     WORDS,
@@ -40,7 +41,11 @@ _OPEN = re.compile(r"[(\[<{][^()\[\]<>{}]*$")
 _APART = re.compile(r"\s+in\s+|[\s_/,|:;.\-\u2013=]+")
 # Load/10, Load x10, 1000*Load: arithmetic that the numbers have been through.
 _ARITHMETIC = re.compile(
-    r"(?:[^\W\d][\s)\]]*(?:[/*\u00d7\u00f7]|\sx)|^\s*[x*/\u00d7])\s*\d|\d\s*[*\u00d7]\s*[^\W\d]"
+    r"(?:[^\W\d][\s)\]]*(?:[/*\u00d7\u00f7\u00b7\u2219\u22c5]|\sx)|^\s*[x*/\u00d7])\s*\d"
+    r"|\d\s*[*\u00d7\u00b7\u2219\u22c5]\s*[^\W\d]"
+)
+_PLACE = re.compile(
+    r"\bat (?:the )?(?:cent|mid|tip\b|load(?:ing)? point|actuator|crosshead|grip|ram\b)"
 )
 _CAMEL = re.compile(r"[A-Z]?[a-z\u00df-\u00ff]+|[A-Z]+(?![a-z])|[A-Z]|[^\W\dA-Za-z]+")
 _RATE = re.compile(r"(?i)(?:\bdefault )?\bsampl\w+ rate\b")  # catman: Time 1 - default sample rate
@@ -49,6 +54,7 @@ _QUANTITY_OF = {word: q for q in QUANTITIES for word in WORDS[q]}
 _CLASSES = (OTHER_THINGS, SETPOINT, ERROR, ACTUAL, CROSSHEAD, ABSOLUTE, GAUGE, LENGTHENING,
             SECONDARY, PARTS, NEUTRAL, SPECIMEN)  # fmt: skip
 ROLES = SETPOINT | ERROR | ACTUAL
+GLUED = ("sollwert", "istwert", "soll", "ist")  # German roles in front of their quantity
 _KNOWN = set(_QUANTITY_OF).union(*_CLASSES)
 
 
@@ -93,7 +99,7 @@ def read_heading(cell: str, below: str = "") -> Heading:
     labels = tuple(word for word in outer if word not in _KNOWN and not _quantity_of(word))
     return Heading(
         text, name or text, quantity, unit,
-        role="setpoint" if every & SETPOINT else "error" if every & ERROR else "",
+        role=_role(text, every),
         rank=_rank(every, quantity, name),
         kind=tuple(filter(None, map(_without_digits, outer))),
         labels=(*labels, *re.findall(r"\d+", name)),
@@ -102,6 +108,13 @@ def read_heading(cell: str, below: str = "") -> Heading:
         other=_is_other(name, outer),
         unread=unread,
     )  # fmt: skip
+
+
+def _role(text: str, words: set[str]) -> str:
+    """Return what a column is besides a measurement, or ""."""
+    if words & SETPOINT or any(piece in text.casefold() for piece in SETPOINT_PIECES):
+        return "setpoint"
+    return "error" if words & ERROR else ""
 
 
 def split_unit(cell: str) -> tuple[str, str | None]:
@@ -212,6 +225,10 @@ def _words(text: str) -> list[str]:
 def _parts(piece: str, dotted: bool) -> list[str]:
     word = plain(piece)
     bare = _without_digits(word)
+    if bare not in _KNOWN:  # Sollweg ends as a displacement does
+        for role in (role for role in GLUED if bare.startswith(role)):
+            if _quantity_of(bare.removeprefix(role)):
+                return [role, word.removeprefix(role)]
     if not bare or bare in _KNOWN or _quantity_of(bare):
         return [bare if bare in _KNOWN else word]
     whole = _abbreviated(bare, dotted)
@@ -265,6 +282,8 @@ def _quantities(text: str) -> list[str]:
 
 def _is_other(name: str, outer: list[str]) -> bool:
     bare = plain(_BRACKET.sub(" ", name))
+    if _PLACE.search(bare):  # deflection at the centre, not load at break
+        outer = [word for word in outer if word != "at"]
     return bool(set(outer) & OTHER_THINGS) or any(plain(piece) in bare for piece in OTHER_PIECES)
 
 

@@ -57,6 +57,8 @@ UNITS = {
 CASED = {"mN": ("force", "mN"), "MN": ("force", "MN"), "nN": ("force", "nN"),
          "Nm": ("other", "nm"), "NM": ("other", "nm")}  # fmt: skip
 AMBIGUOUS = {"mn"}
+MASSES = word_set("g gr gram grams gramm gramme kg lb lbs pound pounds oz 公斤 千克 克") | {
+    "ton", "tons", "tonne", "tonnes"}  # fmt: skip
 LOOSE = {"ton", "tons", "tonf"}  # metric in most of the world, 907 kg in some of it
 SPELLED = {
     f"{word}{plural} force": unit

@@ -106,6 +106,18 @@ SETPOINT = word_set(
     "soll sollwert demand setpoint setp sp command cmd comando consigne consigna target ziel"
     " reference ref desired commanded vorgabe fuhrungsgrosse zadana zadany"
 )
+SETPOINT_PIECES = (
+    "目标",
+    "目標",
+    "设定",
+    "設定",
+    "指令",
+    "목표",
+    "설정",
+    "지령",
+    "задан",
+    "уставк",
+)
 ERROR = word_set("error err fehler abweichung regelabweichung deviation residual erreur errore")
 ACTUAL = word_set(
     "ist istwert actual act value measured feedback fbk measurement messwert gemessen reell reel"

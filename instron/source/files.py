@@ -153,6 +153,7 @@ def open_source(path: Path) -> Source:
     data = _mapped(path)
     if data[-1:] == b"\x1a":  # DOS ends a text file so
         data = data[:].rstrip(b"\x1a")
+    data = _without_terminator(data)
     start = data[:HEAD_BYTES]
     _refuse_binary(path, start)
     utf16 = _utf16(start)
@@ -165,6 +166,14 @@ def open_source(path: Path) -> Source:
         text = data[:].replace(FOREIGN[newline], b"\n")
         return Source(path, text, encoding, encoding, newline, on_disk=False)
     return Source(path, data, encoding, encoding, newline, on_disk=isinstance(data, mmap.mmap))
+
+
+def _without_terminator(data: mmap.mmap | bytes) -> mmap.mmap | bytes:
+    """Return the bytes without the zero byte that WinTest ends its first line of words by."""
+    first = data[: data.find(b"\n") + 1].rstrip(b"\r\n")
+    if not first.endswith(b"\0") or b"\0" in first[:-1] or not re.search(rb"[A-Za-z]{2}", first):
+        return data
+    return first[:-1] + data[len(first) :]
 
 
 def _newline(start: bytes) -> str:

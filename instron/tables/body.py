@@ -27,7 +27,7 @@ from instron.tables.blocks import (
     marks_above,
     repeated_blocks,
 )
-from instron.tables.footer import ends_in_statistics, ends_rows, is_statistic
+from instron.tables.footer import ends_in_statistics, ends_rows, is_statistic, is_trailer
 from instron.tables.layout import (
     Header,
     find_header,
@@ -283,8 +283,13 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
             break
         if cells[0] in marks and goes_on(source, number + 1, used, delimiter):
             continue
-        if not _is_block_head(source, header, number, delimiter):
+        if is_trailer(source, number, delimiter, used, rows):
+            note = f"line {number + 1}: '{line.strip()[:40]}' below the rows is no row"
+            header.doubts.append(note)
+        elif not _is_block_head(source, header, number, delimiter):
             _refuse_damaged(source, number, cells, used)
+            if rows and _is_like(cells, split_cells(lines[rows[-1]], delimiter)):
+                header.doubts.append(f"line {number + 1}: '{line.strip()[:40]}' is no row")
         return rows, number, None
     return _without_cut_row(source, header, rows, delimiter)
 
@@ -316,6 +321,12 @@ def _refuse_damaged(source: Source, number: int, cells: list[str], used: list[in
             f"{source.path}: line {number + 1}: column {index + 1} holds '{cell[:40]}', not a"
             " number (a fill value or a damaged row?)"
         )
+
+
+def _is_like(cells: list[str], row: list[str]) -> bool:
+    """Tell whether a line holds about as many cells and numbers as a row."""
+    numbers, usual = (sum(map(looks_numeric, line)) for line in (cells, row))
+    return 2 * numbers > usual > 1 and abs(len(cells) - len(row)) < 2
 
 
 def _without_cut_row(

@@ -18,6 +18,8 @@ STATISTIC = word_set(
 )
 BESIDE = word_set("dev deviation standard std value values of s % wert werte estandar (%)")
 LONGEST = 12  # lines of statistics
+WORD = re.compile(r"[\[<(*#]*[^\W\d_]{4,}[^\d,.;]*")  # at least, so that no damaged number is one
+OUT_OF_RANGE = word_set("over under overload overflow overrange underflow error nan null none inf")
 
 
 def is_statistic(cells: Sequence[str]) -> bool:
@@ -30,11 +32,28 @@ def is_statistic(cells: Sequence[str]) -> bool:
     return False
 
 
-def ends_rows(source: Source, number: int, delimiter: str, used: Sequence[int]) -> bool:
+def ends_rows(
+    source: Source, number: int, delimiter: str, used: Sequence[int], reach: int = LONGEST
+) -> bool:
     """Tell whether no row follows a statistic, which else is a remark: ``max`` at a jam."""
-    following = source.lines[number + 1 : number + LONGEST]
+    following = source.lines[number + 1 : number + reach]
     rows = (split_cells(line, delimiter) for line in following)
     return not any(is_row(row, list(used)) and not is_statistic(row) for row in rows)
+
+
+def is_trailer(
+    source: Source, number: int, delimiter: str, used: Sequence[int], rows: Sequence[int]
+) -> bool:
+    """Tell whether a line ends a file as ``CHECKSUM 1234`` does: a word, fewer cells, no row after.
+
+    What a load cell shows out of its range is no such word, nor are letters beside digits.
+    """
+    cells = split_cells(source.lines[number], delimiter)
+    if not rows or WORD.fullmatch(cells[0]) is None or plain(cells[0]) in OUT_OF_RANGE:
+        return False
+    whole = split_cells(source.lines[rows[-1]], delimiter)
+    shorter = sum(map(bool, cells)) < sum(map(bool, whole))
+    return shorter and ends_rows(source, number, delimiter, used, len(source.lines))
 
 
 def ends_in_statistics(source: Source, delimiter: str) -> bool:

@@ -4,15 +4,25 @@ import re
 from dataclasses import dataclass, field
 from functools import partial
 
-from instron.headings.columns import Sample, Specimen, Told, choose, from_units_alone, might_be
+from instron.headings.columns import (
+    FIRST,
+    Sample,
+    Specimen,
+    Told,
+    choose,
+    from_units_alone,
+    might_be,
+)
 from instron.headings.grammar import read_heading
 from instron.headings.units import is_unit
 from instron.headings.words import UNIT, plain, word_set
 from instron.numbers.numerals import looks_numeric
+from instron.tables.names import fitted
 
 LONGEST_HEADER = 20_000  # characters; names of a hundred specimens side by side need 10 000
 LONGEST_CELL = 20  # lines that a header with line breaks in its cells may have
 SAMPLE = 2000  # rows by whose contents columns are told apart
+COMMENTED = re.compile(r"^\s*(?:[#%]+|//)\s*(?=[^\W\d_(\[])")
 COMMENT = re.compile(r"^\s*(?:[#%]+|//)\s+")  # before the names of a table made by a program
 COMMENTS = 2  # lines of words that may stand between a header and its first row
 DESCRIBED = 8  # lines that may describe the channels between a header and its first row
@@ -47,6 +57,7 @@ class Header:
     units: int | None = None  # line of the units row
     doubts: list[str] = field(default_factory=list)  # what its logs are warned of
     beside: int = 0  # columns right of the last name that every row fills
+    unit_cells: dict[int, str] = field(default_factory=dict)  # see names.Names
 
     def used(self) -> list[int]:
         """Return the indices of all used columns."""
@@ -104,14 +115,8 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
     names = split_cells(COMMENT.sub("", line) if delimiter == "spaces" else line, delimiter)
     if len(names) < 2 or sum(looks_numeric(name) for name in names) > len(names) // 2:
         return None
-    units, place, following = _units_row(lines, after, delimiter, names)
-    described = _descriptions(lines, following, delimiter, names[0])
-    for line_number in described if units is None else []:
-        units, place, _ = _units_row(lines, line_number, delimiter, names)
-        if units is not None:
-            break
+    units, place, described, above = _between(lines, after, delimiter, names)
     units = units or _units_above(lines, number, delimiter)
-    above = _skip_blank(lines, described[-1] + 1) if described else following
     following = _first_row(lines, above, delimiter, len(names))
     if following >= len(lines) or not _promises(names, units, told):
         return None
@@ -119,18 +124,46 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
     if sum(map(looks_numeric, first)) < 2:
         return None
     below = lines[following : following + SAMPLE]
-    choice = choose(names, units, Sample(below, partial(split_cells, delimiter=delimiter)), told)
+    split = partial(split_cells, delimiter=delimiter)
+    fit = fitted(names, units, below[:FIRST], split)
+    names, units = fit.names, fit.units
+    choice = choose(names, units, Sample(below, split), told)
     if not choice.specimens and units is None and not _named_above(lines, number, delimiter):
         choice = from_units_alone(names)
-    doubts = [*choice.doubts, *_digits_passed_over(lines, above, following),
+    doubts = [*choice.doubts, *fit.doubts, *_digits_passed_over(lines, above, following),
               *_factors(lines, described, delimiter)]  # fmt: skip
+    beside = _filled_beside(below, delimiter, names)
+    if beside:
+        doubts.append(f"cells in each row that have no name above: {beside}, taken for notes on the"
+                      " right")  # fmt: skip
     header = Header(number, following, len(first), names, choice.specimens, choice.notes,
                     choice.question, place, doubts,
-                    _filled_beside(below, delimiter, names))  # fmt: skip
+                    beside, fit.unit_cells)  # fmt: skip
     shifted = delimiter == "spaces" and len(first) != len(names)
     if not choice.specimens or shifted or not is_row(first, header.used()):
         return None
     return header
+
+
+def _between(
+    lines: list[str], after: int, delimiter: str, names: list[str]
+) -> tuple[list[str] | None, int | None, list[int], int]:
+    """Return what stands between names and rows.
+
+    Cells and line of the units row, lines that describe channels, and the line after them.
+    """
+    units, place, following = _units_row(lines, after, delimiter, names)
+    described = _descriptions(lines, following, delimiter, names[0])
+    for number in described if units is None else []:
+        units, place, _ = _units_row(lines, number, delimiter, names)
+        if units is not None:
+            break
+    return (
+        units,
+        place,
+        described,
+        _skip_blank(lines, described[-1] + 1) if described else following,
+    )
 
 
 def _descriptions(lines: list[str], start: int, delimiter: str, name: str) -> list[int]:
@@ -203,7 +236,7 @@ def _promises(names: list[str], units: list[str] | None, told: Told) -> bool:
     forces, lengths = (any(might_be(h, q) for h in found) for q in ("force", "displacement"))
     if "force" in quantities:
         return "displacement" in quantities or lengths or any(h.lengthens for h in found)
-    return "displacement" in quantities and forces
+    return forces and ("displacement" in quantities or lengths)
 
 
 def _named_above(lines: list[str], number: int, delimiter: str) -> bool:
@@ -263,7 +296,7 @@ def _units_row(
     number = _skip_blank(lines, number)
     if number >= len(lines):
         return None, None, number
-    cells = split_cells(lines[number], delimiter)
+    cells = split_cells(COMMENTED.sub("", lines[number]), delimiter)
     named = names if delimiter != "spaces" else cells  # notes stand right of the last name
     filled = [cell for cell, name in zip(cells, named, strict=False) if cell and name]
     known = sum(is_unit(cell) for cell in filled)

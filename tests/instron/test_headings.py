@@ -234,16 +234,26 @@ def test_naming_one_column_leaves_the_others_and_keeps_its_unit(tmp_path):
         read(tmp_path, header, "txFo", columns={"weight": "Kanal 7"})
 
 
-@pytest.mark.parametrize("header", ["Tid;Voima;Liike\ns;N;mm", "Zeit;Kanal 3;Weg\n(s);(N);(mm)",
-                                    "Aika [s];Jarru [N];Nousu [mm]"])  # fmt: skip
-def test_an_unknown_word_is_read_by_its_unit_with_a_warning_or_not_at_all(header, tmp_path):
-    if "Jarru" in header:  # neither is known: a table of anything
-        with pytest.raises(instron.Unreadable):
-            read(tmp_path, header, "tFx")
-        return
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ("Tid;Voima;Liike\ns;N;mm", "is the only column in"),
+        ("Zeit;Kanal 3;Weg\n(s);(N);(mm)", "is the only column in"),
+        ("Aika [s];Jarru [N];Nousu [mm]", "taken by their units"),
+    ],
+)
+def test_an_unknown_word_is_read_by_its_unit_with_a_warning(header, said, tmp_path):
     (log,) = read(tmp_path, header, "tFx")
     check(log)
-    assert "is the only column in" in log.attrs["warnings"][0]
+    assert said in log.attrs["warnings"][0]
+
+
+@pytest.mark.parametrize(
+    "header", ["Aika [s];Jarru [N];Nousu [mm];Lasku [mm]", "Aika [s];Jarru [g];Nousu [mm]"]
+)
+def test_unknown_words_are_not_read_where_units_leave_a_doubt(header, tmp_path):
+    with pytest.raises(instron.Unreadable):
+        read(tmp_path, header, "tFxo" if "Lasku" in header else "tFx")
 
 
 @pytest.mark.parametrize(
