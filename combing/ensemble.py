@@ -12,7 +12,8 @@ import numpy as np
 
 import sim
 from sim.presets import DoubleHelix, preset_scene
-from sim.scene import Helix
+from sim.scene import Helix, RandomCurvature, Rod
+from sim.state import centreline
 
 IMPERFECTION = 0.02  # where the parameters name none; the virtual lab's specimens scatter as much
 STREAM = 7  # sets these draws apart from those that the scene's own seed makes
@@ -72,3 +73,31 @@ def _drawn(preset: str, parameters: Mapping[str, Any], seed: int) -> sim.Scene:
     assert isinstance(shape, Helix)  # noqa: S101 (a double helix has two)
     turned = shape.model_copy(update={"phase": shape.phase + np.pi * size * phase})
     return scene.model_copy(update={"rods": [first, second.model_copy(update={"shape": turned})]})
+
+
+def perturbed(scene: sim.Scene, seed: int, size: float = IMPERFECTION) -> sim.Scene:
+    """Return a scene with a random intrinsic curvature in every strand, drawn from a seed.
+
+    Its sd is `size` times the strand's own curvature (of a straight one, pi over its length), its
+    correlation length the pitch of a helix, else a tenth of the length: what is bent by hand is off
+    by as much. Strands whose curvature is random already are drawn anew instead.
+    """
+    rods = [rod if rod.curvature else _bent(rod, size) for rod in scene.rods]
+    return scene.model_copy(update={"rods": rods, "seed": seed})
+
+
+def _bent(rod: Rod, size: float) -> Rod:
+    if isinstance(rod.shape, Helix):
+        radius, rise = rod.shape.radius, rod.shape.pitch / (2 * np.pi)
+        own, correlation = radius / (radius**2 + rise**2), rod.shape.pitch
+    else:
+        chords = np.diff(centreline(rod), axis=0)
+        lengths = np.linalg.norm(chords, axis=1)
+        along = chords / lengths[:, None]
+        turns = np.linalg.norm(np.diff(along, axis=0), axis=1)
+        whole = float(lengths.sum())
+        bend = float(np.sqrt(np.sum(turns**2 / lengths[1:]) / whole))
+        own, correlation = max(bend, np.pi / whole), whole / 10
+    return rod.model_copy(
+        update={"curvature": RandomCurvature(sd=size * own, correlation=correlation)}
+    )

@@ -9,6 +9,7 @@ import numpy as np
 
 import sim
 from combing.accuracy.measurement import Measurement
+from combing.bands.release import first_jam
 from instron.scaling.average import profile
 from sim.presets import NYLON_SCALED
 from sim.scene import Contact, Scene
@@ -17,7 +18,6 @@ from sim.state import rigidities
 PI1, R = 24.0, 4.25e-4  # pitch over filament radius, filament radius [m]
 L0 = 0.01  # m, in f = l0^2 F/B
 WINDOW = PI1 * R / 6  # m; a whole number of elements on every mesh used, each of which ripples once
-RELEASE = 0.85  # of the highest force so far: below it the jam has let go
 FLOOR = 2.0  # f that a jam exceeds
 
 
@@ -66,7 +66,7 @@ class Jam:
         log = run.force_log()
         bend, _ = rigidities(scene.rods[0].material, scene.rods[0].radius)
         d, f = smoothed(log["displacement"].to_numpy(), L0**2 / bend * log["force"].to_numpy())
-        place, height = first_jam(d, f)
+        place, height = first_jam(d, f, FLOOR)
         return Measurement(
             quantity=height,
             place=place,
@@ -85,13 +85,3 @@ def smoothed(d: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     source = profile(d, f)
     middle = source.places(WINDOW)
     return middle + WINDOW / 2, source.mean(middle, WINDOW)
-
-
-def first_jam(d: np.ndarray, f: np.ndarray) -> tuple[float | None, float | None]:
-    """Return place and height of the highest force before the first release, None if none came."""
-    highest = np.maximum.accumulate(f)
-    released = np.flatnonzero((f < RELEASE * highest) & (highest > FLOOR))
-    if not len(released):
-        return None, None
-    top = int(np.argmax(f[: released[0]]))
-    return float(d[top]), float(f[top])

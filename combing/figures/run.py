@@ -9,9 +9,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from combing.figures.style import SIMULATION, STRANDS, WIDTH, paper_style
+from combing.figures.style import BAND, SIMULATION, STRANDS, WIDTH, paper_style
 
 if TYPE_CHECKING:
+    from combing.bands import Bands
     from sim import Run
 
 METRE_TO_MM = 1e3
@@ -19,7 +20,9 @@ VIEWS = 7  # strands drawn side by side
 CURVES = 5  # link densities drawn over one another
 
 
-def draw_run(run: Run, log: pd.DataFrame | None, links: pd.DataFrame | None) -> Figure:
+def draw_run(
+    run: Run, log: pd.DataFrame | None, links: pd.DataFrame | None, bands: Bands | None = None
+) -> Figure:
     """Draw the strands, and the force and link density where the scene has them.
 
     Parameters
@@ -30,6 +33,8 @@ def draw_run(run: Run, log: pd.DataFrame | None, links: pd.DataFrame | None) -> 
         Force log of the tine.
     links : DataFrame or None
         Columns snapshot, displacement, s, link.
+    bands : Bands, optional
+        Drawn about the force, and about the link density, which is then averaged over a pitch.
     """
     with paper_style():
         below = [panel for panel in (log, links) if panel is not None]
@@ -40,9 +45,9 @@ def draw_run(run: Run, log: pd.DataFrame | None, links: pd.DataFrame | None) -> 
         if below:
             panels = list(rest[0].subplots(1, len(below), squeeze=False).ravel())
             if log is not None:
-                _draw_force(panels.pop(0), log)
+                _draw_force(panels.pop(0), log, bands)
             if links is not None:
-                _draw_links(panels.pop(0), links)
+                _draw_links(panels.pop(0), links if bands is None else _averaged(bands))
         figure.suptitle(run.data.attrs["title"], fontsize=9)
     return figure
 
@@ -68,11 +73,36 @@ def _draw_strands(panel: Axes, run: Run) -> None:
     panel.set_ylabel("z (mm)")
 
 
-def _draw_force(panel: Axes, log: pd.DataFrame) -> None:
-    panel.plot(METRE_TO_MM * log["displacement"], log["force"], color=SIMULATION, lw=0.6)
+def _draw_force(panel: Axes, log: pd.DataFrame, bands: Bands | None) -> None:
+    panel.plot(METRE_TO_MM * log["displacement"], log["force"], color=SIMULATION,
+               lw=0.6 if bands is None else 0.3)  # fmt: skip
+    if bands is not None:
+        _draw_band(panel, bands)
     panel.axhline(0, color="0.7", lw=0.6)
     panel.set_xlabel("tine displacement $d$ (mm)")
     panel.set_ylabel("force $F$ (N)")
+
+
+def _draw_band(panel: Axes, bands: Bands) -> None:
+    """Draw the averaged force with its band: of the mesh, then of one more member."""
+    table, newton = bands.force, bands.about["newton"]
+    d, level = METRE_TO_MM * table["d"], f"{100 * bands.about['level']:g} %"
+    for kind, colour, label in (
+        ("mesh", "#f0b7a8", "mesh"),
+        ("spread", BAND, f"one more specimen ({bands.about['members']} members)"),
+    ):
+        inside = (table["kind"] == kind).to_numpy()
+        panel.fill_between(d, newton * table["low"], newton * table["high"], where=inside, lw=0,
+                           color=colour, label=f"{label}, {level}")  # fmt: skip
+    panel.plot(d, newton * table["value"], color=SIMULATION, lw=1)
+    seen = table[["value", "low", "high"]].to_numpy()
+    room = 0.05 * newton * np.nanmax(seen)
+    panel.set_ylim(max(newton * np.nanmin(seen), -6 * room) - room, newton * np.nanmax(seen) + room)
+    panel.legend(fontsize=7)
+
+
+def _averaged(bands: Bands) -> pd.DataFrame:
+    return bands.link.rename(columns={"value": "link"})
 
 
 def _draw_links(panel: Axes, links: pd.DataFrame) -> None:
@@ -81,8 +111,11 @@ def _draw_links(panel: Axes, links: pd.DataFrame) -> None:
         table = links[links["snapshot"] == snapshots[i]]
         label = f"{METRE_TO_MM * table['displacement'].iloc[0]:.0f} mm"
         shade = 0.15 + 0.7 * number / CURVES
-        panel.plot(METRE_TO_MM * table["s"], table["link"], color=(shade, 0.3, 1 - shade), lw=0.8,
-                   label=label)  # fmt: skip
+        colour = (shade, 0.3, 1 - shade)
+        if "low" in table:
+            panel.fill_between(METRE_TO_MM * table["s"], table["low"], table["high"], color=colour,
+                               alpha=0.25, lw=0)  # fmt: skip
+        panel.plot(METRE_TO_MM * table["s"], table["link"], color=colour, lw=0.8, label=label)
     panel.set_xlabel("arclength of the pair $s$ (mm)")
     panel.set_ylabel(r"link density $\lambda$ (1/m)")
     panel.legend(title="$d$", fontsize=7)

@@ -10,9 +10,10 @@ import pytest
 from combing.accuracy import points, study, teeth
 from combing.accuracy.cantilever import Cantilever
 from combing.accuracy.capstan import Capstan, exponent
-from combing.accuracy.jam import WINDOW, Jam, first_jam, smoothed
+from combing.accuracy.jam import FLOOR, WINDOW, Jam, smoothed
 from combing.accuracy.measurement import Measurement
 from combing.accuracy.summary import summary
+from combing.bands.release import first_jam
 from combing.cli import main
 from combing.figures.accuracy import draw_case, draw_teeth
 from combing.power_law import slope
@@ -128,7 +129,7 @@ def saw_tooth():
 
 def test_first_jam_of_a_saw_tooth_under_ripple():
     """The mean over a window before the top of a straight rise is half a window lower."""
-    place, height = first_jam(*smoothed(*saw_tooth()))
+    place, height = first_jam(*smoothed(*saw_tooth()), FLOOR)
     assert place == pytest.approx(18e-3, abs=WINDOW / 10)
     assert height == pytest.approx(18 - 500 * WINDOW, rel=0.02)
 
@@ -136,7 +137,7 @@ def test_first_jam_of_a_saw_tooth_under_ripple():
 def test_a_force_that_never_lets_go_has_no_jam():
     d, f = saw_tooth()
     before = d < 17e-3
-    assert first_jam(*smoothed(d[before], f[before])) == (None, None)
+    assert first_jam(*smoothed(d[before], f[before]), FLOOR) == (None, None)
 
 
 def made_up_teeth():
