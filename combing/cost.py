@@ -6,10 +6,11 @@ number of strokes.
 
 import numpy as np
 import pandas as pd
+from scipy import stats
 
 Q0 = 25.0
 GAMMAS = (0.0, 0.25, 0.5, 0.75, 1.0)
-RESAMPLES = 2000
+DRAWS = 2000
 
 
 def cost(q: np.ndarray, f_max: np.ndarray, gamma: float, q0: float = Q0) -> np.ndarray:
@@ -39,10 +40,10 @@ def cost_table(
     q, f_max : ndarray
         One entry a curve; several curves may share a q.
     level : float
-        Of the intervals, from a bootstrap over the curves of each q. With one curve a q there are
-        none (NaN).
+        Of the intervals: Student's, of the mean over the curves of each q. With one curve a q
+        there are none (NaN).
     rng : int
-        Seed of the bootstrap.
+        Seed of the draws of those means that the optimum's interval is made of.
 
     Returns
     -------
@@ -52,16 +53,18 @@ def cost_table(
     places = np.unique(q)
     groups = [f_max[q == place] for place in places]
     mean = np.array([group.mean() for group in groups])
-    drawn = _resampled(groups, np.random.default_rng(rng))
+    error, freedom = _errors(groups)
+    half = stats.t.ppf((1 + level) / 2, freedom) * error
+    drawn = mean + error * np.random.default_rng(rng).standard_t(freedom, (DRAWS, len(places)))
     tail = 100 * (1 - level) / 2
     tables = []
     for gamma in GAMMAS:
         each = cost(places, drawn, gamma)
-        low, high = np.percentile(each, [tail, 100 - tail], axis=0)
         best = np.percentile(
             places[each.argmin(axis=1)], [tail, 100 - tail], method="nearest"
         ) if np.isfinite(each).all() else (np.nan, np.nan)  # fmt: skip
         own = cost(places, mean, gamma)
+        low, high = own - gamma * half, own + gamma * half
         tables.append(
             pd.DataFrame({"gamma": gamma, "q": places, "cost": own, "low": low, "high": high})
             .assign(best=places[own.argmin()], best_low=best[0], best_high=best[1])
@@ -69,12 +72,26 @@ def cost_table(
     return pd.concat(tables, ignore_index=True)
 
 
-def _resampled(groups: list[np.ndarray], rng: np.random.Generator) -> np.ndarray:
-    """Return (resamples, places) means of f_max; NaN where a place has one curve."""
-    columns = [
-        rng.choice(group, (RESAMPLES, len(group))).mean(axis=1)
-        if len(group) > 1
-        else np.full(RESAMPLES, np.nan)
-        for group in groups
+def _errors(groups: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Return standard errors of the means, NaN of one curve alone, and their degrees of freedom."""
+    count = np.array([len(group) for group in groups])
+    spread = [group.std(ddof=1) if len(group) > 1 else np.nan for group in groups]
+    return np.array(spread) / np.sqrt(count), np.maximum(count - 1, 1)
+
+
+def cost_of_strokes(curves: pd.DataFrame) -> pd.DataFrame:
+    """Return `cost_table` of every set over q and source, with columns set and source.
+
+    Parameters
+    ----------
+    curves : DataFrame
+        One row a curve: set, over, source, value, f_max. Sets over anything else are left out.
+    """
+    strokes = curves[curves["over"] == "q"]
+    tables = [
+        cost_table(own["value"].to_numpy(float), own["f_max"].to_numpy(float)).assign(
+            set=str(name), source=str(source)
+        )
+        for (name, source), own in strokes.groupby(["set", "source"], sort=False)
     ]
-    return np.column_stack(columns)
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()

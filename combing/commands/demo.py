@@ -1,16 +1,15 @@
 """``combing demo``: the main job on the packaged synthetic data set."""
 
 from collections.abc import Iterator
-from importlib import resources
 from pathlib import Path
 
 import click
 import pandas as pd
 
 from combing.commands.compare import exit_with
-from combing.errors import UserError
 from combing.spoken import said_aloud
 from combing.study import load_study
+from combing.virtual_lab.packaged import data_folder
 
 
 @click.command()
@@ -43,15 +42,6 @@ def command(output: Path, jobs: int | None, quiet: bool) -> None:
         click.echo(line)
     click.echo(f"report: {result.report.resolve()}")
     exit_with(result.left_out)
-
-
-def data_folder() -> Path:
-    """Folder of the packaged data set: inside an installed package, beside an editable one."""
-    package = Path(str(resources.files("combing")))
-    for folder in (package / "data", package.parent / "data"):
-        if (folder / "study.toml").is_file():
-            return folder
-    raise UserError(f"{package / 'data'}: the packaged data set is missing; install combing again")
 
 
 def error_lines(errors: pd.DataFrame) -> Iterator[str]:

@@ -30,6 +30,9 @@ class Comparison:
     change : DataFrame
         Of link densities: their change over s and across the tine
         (`combing.compare.link_change.changes`).
+    strands, sensitivity : DataFrame
+        Of curls: the centrelines that were counted, and the densities in other sections and views
+        (`combing.compare.curl_views`).
     """
 
     plotted: pd.DataFrame
@@ -39,6 +42,8 @@ class Comparison:
     synthetic: bool = False
     curves: pd.DataFrame = field(default_factory=pd.DataFrame)
     change: pd.DataFrame = field(default_factory=pd.DataFrame)
+    strands: pd.DataFrame = field(default_factory=pd.DataFrame)
+    sensitivity: pd.DataFrame = field(default_factory=pd.DataFrame)
 
 
 @dataclass(frozen=True)
@@ -85,6 +90,8 @@ def joined(parts: Iterable[Comparison]) -> Comparison:
         synthetic=any(part.synthetic for part in parts),
         curves=stacked(part.curves for part in parts),
         change=stacked(part.change for part in parts),
+        strands=stacked(part.strands for part in parts),
+        sensitivity=stacked(part.sensitivity for part in parts),
     )
 
 

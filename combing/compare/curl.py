@@ -5,10 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy import stats
 
 import imaging
 import sim
 from combing.compare.comparison import Comparison, error_row, says_synthetic, stacked
+from combing.compare.curl_views import over_sections, over_views, seen_from, strand_table
 from combing.photographs import Refused, content_of, measured_only
 from combing.study import CurlSet
 from combing.tables import read_table
@@ -23,7 +25,8 @@ def measure_curl(path: Path, chosen: CurlSet, n_sec: int) -> pd.DataFrame:
     -------
     DataFrame
         ``section, N, count, density`` [1/m]; ``attrs`` hold ``sample``, ``strands`` found,
-        ``crossings``, ``length`` [m], ``notes``, ``content`` (a hash) and ``synthetic``.
+        ``crossings``, ``length`` [m], ``notes``, ``content`` (a hash), ``synthetic``, ``lines`` [m]
+        and densities in other ``sections``.
 
     Raises
     ------
@@ -35,9 +38,8 @@ def measure_curl(path: Path, chosen: CurlSet, n_sec: int) -> pd.DataFrame:
     seen = measure(photo, chosen.view.scale, n_sec, corrections=said)
     if seen.interactions is None or seen.scale is None:
         raise imaging.Unmeasurable(f"{path}: {len(seen.strands)} strand(s); a curl has several")
-    found = _counted(
-        seen.interactions, seen.crossings, len(seen.strands), seen.scale.metres_per_pixel
-    )
+    unit = seen.scale.metres_per_pixel
+    found = _counted(seen.strands, seen.interactions, seen.crossings, unit)
     found.attrs |= {"sample": path.stem, "synthetic": says_synthetic(photo.exif)}
     found.attrs |= {"content": content_of(photo), "notes": seen.notes}
     return found
@@ -48,26 +50,40 @@ def count_interactions(
 ) -> pd.DataFrame:
     """Count interactions of strands given in lengths of `unit` [m]; densities come out in 1/m."""
     table = imaging.crossings(strands)
-    return _counted(imaging.interactions(strands, n_sec, table=table), table, len(strands), unit)
+    return _counted(strands, imaging.interactions(strands, n_sec, table=table), table, unit)
 
 
 def _counted(
-    interactions: pd.DataFrame, crossings: pd.DataFrame, strands: int, unit: float
+    strands: Sequence[imaging.Strand | np.ndarray],
+    interactions: pd.DataFrame,
+    crossings: pd.DataFrame,
+    unit: float,
 ) -> pd.DataFrame:
     """Take interactions from lengths of `unit` to metres, with how much was counted."""
     found = interactions.assign(density=interactions["density"] / unit)
+    lines = [one.line if isinstance(one, imaging.Strand) else one for one in strands]
     found.attrs = {
         **interactions.attrs,
-        "strands": strands,
+        "strands": len(strands),
         "crossings": int((crossings["kind"] == "inter").sum()),
         "length": interactions.attrs["length"] * unit,
+        "lines": [unit * line for line in lines],
+        "sections": over_sections(strands, crossings, unit),
     }
     return found
 
 
 def project_curl(run: sim.Run) -> list[np.ndarray]:
     """Project the settled curl on a vertical plane as a distant camera sees it, (n, 2) [m]."""
-    return [np.column_stack([-strand[:, 0], -strand[:, 2]]) for strand in run.strands(-1)]
+    return seen_from(run.strands(-1))
+
+
+def simulated_curl(run: sim.Run, sample: str, n_sec: int) -> pd.DataFrame:
+    """Count the interactions of a simulated curl; as `measure_curl`, and other ``views``."""
+    found = count_interactions(project_curl(run), 1.0, n_sec)
+    lines = run.strands(-1)
+    found.attrs |= {"sample": sample, "lines": lines, "views": over_views(lines, n_sec)}
+    return found
 
 
 def compare_curl(
@@ -90,14 +106,13 @@ def compare_curl(
         Sections each curl is cut into.
     """
     _, measured, notes = measured_only(chosen.name, photographed)
-    simulated = []
-    for path in chosen.simulations or []:
-        found = count_interactions(project_curl(runs[path]), 1.0, n_sec)
-        found.attrs |= {"sample": path.stem}
-        simulated.append(found)
-    parts = [_densities(chosen.name, "experiment", found) for found in measured]
-    parts += [_densities(chosen.name, "simulation", found) for found in simulated]
+    paths = chosen.simulations or []
+    simulated = [simulated_curl(runs[path], path.stem, n_sec) for path in paths]
+    counted = [("experiment", found) for found in measured]
+    counted += [("simulation", found) for found in simulated]
+    parts = [_densities(chosen.name, source, found) for source, found in counted]
     plotted = _without_empty(pd.concat(parts, ignore_index=True))
+    sensitivity = stacked(_elsewhere(chosen.name, source, found) for source, found in counted)
     return Comparison(
         plotted=plotted,
         numbers=[
@@ -109,14 +124,25 @@ def compare_curl(
             *notes,
             *_doubts(chosen, measured),
             *_wrong_counts(chosen, measured),
-            *_unrest({path: runs[path] for path in chosen.simulations or []}),
+            *_unrest({path: runs[path] for path in paths}),
         ],
         synthetic=any(found.attrs["synthetic"] for found in measured),
         curves=stacked(
             _lead(chosen.name, source, curls)
             for source, curls in (("experiment", measured), ("simulation", simulated))
         ),
+        strands=stacked(
+            strand_table(chosen.name, source, found.attrs["sample"], found.attrs["lines"])
+            for source, found in counted
+        ),
+        sensitivity=sensitivity,
     )
+
+
+def _elsewhere(name: str, source: str, found: pd.DataFrame) -> pd.DataFrame:
+    """Return the densities of a curl in other sections and views, with its name."""
+    tables = [found.attrs[what] for what in ("sections", "views") if what in found.attrs]
+    return stacked(tables).assign(set=name, source=source, sample=found.attrs["sample"])
 
 
 def _lead(name: str, source: str, curls: Sequence[pd.DataFrame]) -> pd.DataFrame:
@@ -130,18 +156,16 @@ def _lead(name: str, source: str, curls: Sequence[pd.DataFrame]) -> pd.DataFrame
 
 
 def _densities(name: str, source: str, found: pd.DataFrame) -> pd.DataFrame:
-    """Density over the whole curl of each N: count over length [1/m]."""
-    count = found.groupby("N")["count"].sum()
-    return pd.DataFrame(
-        {
-            "set": name,
-            "source": source,
-            "sample": found.attrs["sample"],
-            "N": count.index,
-            "count": count.to_numpy(),
-            "density": count.to_numpy() / found.attrs["length"],
-        }
+    """Density over the whole curl of each N [1/m], with its 95 % interval over the sections."""
+    groups = found.groupby("N")
+    count, sections = groups["count"].sum(), groups["density"]
+    half = stats.t.ppf(0.975, sections.count() - 1) * sections.sem()
+    density = count / found.attrs["length"]
+    table = pd.DataFrame(
+        {"count": count, "density": density, "low": density - half, "high": density + half}
     )
+    named = table.reset_index().assign(set=name, source=source, sample=found.attrs["sample"])
+    return named[["set", "source", "sample", "N", "count", "density", "low", "high"]]
 
 
 def _without_empty(plotted: pd.DataFrame) -> pd.DataFrame:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from combing import __version__
 from combing.compare.change_pages import change_sections
 from combing.compare.comparison import Comparison, Findings, all_errors
+from combing.compare.curl_pages import curl_sections
 from combing.compare.first_page import closing_section, found_section
 from combing.compare.provenance import provenance
 from combing.compare.provenance import tables as provenance_tables
@@ -50,7 +51,7 @@ TEXT = {
         "are projected and counted by the same rule. The densities depend on the number of "
         "sections.",
         "Grey: photographs; red: simulation; dots: single curls; bars: standard deviation over "
-        "curls.",
+        "curls, of one curl alone the 95 % interval over its sections.",
     ),
 }
 GLANCE = "The first set of every kind, experiment over simulation. Colours and bands as below."
@@ -65,7 +66,11 @@ def write_pages(study: Study, findings: Findings, folder: Path) -> None:
         for section in (
             sweep_sections(study, found, folder)
             if kind == "sweep"
-            else [_section(study, kind, found, folder), *change_sections(found, folder)]
+            else [
+                _section(study, kind, found, folder),
+                *change_sections(found, folder),
+                *curl_sections(study, found, folder),
+            ]
         )
     ]
     sections += outcome_sections(comparisons, folder)

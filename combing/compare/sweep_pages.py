@@ -3,11 +3,9 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-import pandas as pd
-
 from combing.claims import judge
 from combing.compare.comparison import Comparison, stacked
-from combing.cost import cost_table
+from combing.cost import cost_of_strokes
 from combing.ensemble import IMPERFECTION
 from combing.figures.cost import draw_cost
 from combing.figures.style import save
@@ -27,8 +25,8 @@ CURVES_CAPTION = (
 )
 COST = (
     "C(q) = γ f_max + (1 − γ) q0/q with q0 = 25: the highest force against the number of strokes, "
-    "for strokes that begin q pitches from the free end. Intervals are a bootstrap over the curves "
-    "of each q."
+    "for strokes that begin q pitches from the free end. Intervals at 95 % are Student's, over the "
+    "curves of each q."
 )
 COST_CAPTION = "Rings: the best q of each γ."
 CLAIMS = (
@@ -77,14 +75,9 @@ def outcome_sections(comparisons: Mapping[str, Comparison], folder: Path) -> lis
 
 
 def _cost(found: Comparison, folder: Path) -> list[Section]:
-    strokes = found.curves[found.curves["over"] == "q"]
-    if strokes.empty:
+    plotted = cost_of_strokes(found.curves)
+    if plotted.empty:
         return []
-    tables = []
-    for (name, source), own in strokes.groupby(["set", "source"], sort=False):
-        table = cost_table(own["value"].to_numpy(float), own["f_max"].to_numpy(float))
-        tables.append(table.assign(set=str(name), source=str(source)))
-    plotted = pd.concat(tables, ignore_index=True)
     write_table(folder / "cost.csv", plotted, ["cost of combing; intervals at 95 % over curves"])
     figure = draw_cost(plotted, synthetic=found.synthetic)
     png, _ = save(figure, folder, "cost", synthetic=found.synthetic)

@@ -2,21 +2,17 @@
 
 from collections.abc import Callable, Mapping
 
-import matplotlib as mpl
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from combing.figures.change import METRE_TO_MM, draw_profiles
+from combing.figures.change import draw_profiles, placed
 from combing.figures.force import draw_source
 from combing.figures.interactions import draw_bars
 from combing.figures.style import WIDTH, mark_synthetic, paper_style, plain
-from combing.figures.sweep import colours_of, draw_curves
+from combing.figures.sweep import SOURCES, colours_of, draw_curves, limit_curves
 
-SOURCES = ("experiment", "simulation")
 FORCE = ("$x = d/D$", r"$f = l_0^2 F/B$")
 LABELS = {
     "force": FORCE,
@@ -63,16 +59,12 @@ def _force(panel: Axes, table: pd.DataFrame, source: str) -> None:
 
 def _sweep(panel: Axes, table: pd.DataFrame, source: str) -> None:
     draw_curves(panel, table, source, colours_of(table))
-    top = float(np.nanmax(table.loc[table["source"].isin(SOURCES), ["f", "high"]].to_numpy()))
-    panel.set(xlim=(0, 1.1), ylim=(-0.04 * top, 1.12 * top))
+    limit_curves(panel, table)
 
 
 def _change(panel: Axes, table: pd.DataFrame, source: str) -> None:
-    scaled = bool(table["x"].notna().all())
-    table = table.assign(place=table["x"] if scaled else table["d"] * METRE_TO_MM)
-    norm = Normalize(0, 1.0 if scaled else float(table["place"].max()))
-    own = table[(table["curve"] != "jump") & (table["source"] == source)]
-    draw_profiles(panel, own, lambda place: mpl.colormaps["viridis"](0.92 * float(norm(place))))
+    table, _, end = placed(table)
+    draw_profiles(panel, table, source, end)
 
 
 def _interactions(panel: Axes, table: pd.DataFrame, source: str) -> None:

@@ -1,6 +1,5 @@
 """Histogram of N-body interactions per metre of curl: experiment beside simulation."""
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,7 +16,8 @@ def draw_interactions(table: pd.DataFrame, *, n_sec: int, synthetic: bool) -> Fi
     Parameters
     ----------
     table : DataFrame
-        Columns set, source (experiment, simulation), sample (one curl), N, density [1/m].
+        Columns set, source (experiment, simulation), sample (one curl), N, density, low, high:
+        with its 95 % interval over the curl's sections [1/m].
     n_sec : int
         Sections each curl was cut into; stated in the figure, for the densities depend on it.
     synthetic : bool
@@ -39,26 +39,24 @@ def draw_interactions(table: pd.DataFrame, *, n_sec: int, synthetic: bool) -> Fi
 
 
 def draw_bars(panel: Axes, rows: pd.DataFrame) -> None:
-    """Draw mean densities of one set with their sd over curls, and single curls as dots."""
+    """Draw mean densities of one set with their sd over curls, and single curls as dots.
+
+    Of one curl alone the bars are the interval over its sections. One source alone stands above N.
+    """
+    alone = rows["source"].nunique() == 1
     for source, (colour, shift) in LOOKS.items():
-        density = rows[rows["source"] == source].pivot(
-            index="N", columns="sample", values="density"
-        )
-        if density.empty:
+        own = rows[rows["source"] == source]
+        if own.empty:
             continue
-        samples = density.shape[1]
+        density = own.pivot(index="N", columns="sample", values="density")
+        density.index = density.index + (0.0 if alone else shift)
+        samples, mean = density.shape[1], density.mean(axis=1)
         label = f"{source}, {samples} curl{'s' if samples > 1 else ''}"
-        panel.bar(density.index + shift, density.mean(axis=1), BAR, color=colour, label=label)
-        spread = density.std(axis=1, ddof=1) if samples > 1 else np.full(len(density), np.nan)
-        panel.errorbar(
-            density.index + shift,
-            density.mean(axis=1),
-            spread,
-            fmt="none",
-            ecolor="black",
-            capsize=2,
-        )
+        panel.bar(density.index, mean, BAR, color=colour, label=label)
+        half = own.groupby("N")["high"].first().to_numpy() - mean
+        spread = density.std(axis=1, ddof=1) if samples > 1 else half
+        panel.errorbar(density.index, mean, spread, fmt="none", ecolor="black", capsize=2)
         for sample in density:
-            panel.plot(density.index + shift, density[sample], ".", ms=3, color="black", alpha=0.5)
+            panel.plot(density.index, density[sample], ".", ms=3, color="black", alpha=0.5)
     panel.set_ylim(bottom=0)
     panel.set_xticks(sorted(rows["N"].unique()))

@@ -38,18 +38,18 @@ def draw_sweep(table: pd.DataFrame, *, synthetic: bool) -> Figure:
         grid = figure.subplots(
             len(sources), 2, squeeze=False, sharex="col", sharey=True, width_ratios=[2, 1]
         )
-        colour, top = colours_of(table), _top(table)
+        colour = colours_of(table)
         for (left, right), source in zip(grid, sources, strict=True):
             draw_curves(left, table, source, colour)
             _peaks(right, table[table["source"] == source], colour)
-            left.set(xlim=(0, 1.1), ylim=(-0.04 * top, ROOM * top), ylabel=r"$f = l_0^2 F/B$")
+            limit_curves(left, table)
+            left.set_ylabel(r"$f = l_0^2 F/B$")
             left.set_title(source, loc="left")
-        over = str(table["over"].iloc[0])
-        symbol = SYMBOLS.get(over, plain(over.replace("_", " ")))
+        symbol = symbol_of(table)
         grid[-1][0].set_xlabel(r"$x = d/D$")
         grid[-1][1].set_xlabel(symbol)
         grid[0][1].set_title(r"$f_{max}$, 95 % interval", loc="left")
-        _legend(figure, grid[0][0], symbol)
+        legend_of_values(figure, grid[0][0], symbol)
         figure.suptitle(plain(str(table["set"].iloc[0])), fontsize=9)
         mark_synthetic(figure, synthetic)
     return figure
@@ -63,10 +63,17 @@ def colours_of(table: pd.DataFrame) -> Colour:
     return lambda value: shades(0.92 * float(norm(value)))
 
 
-def _top(table: pd.DataFrame) -> float:
-    """Return the highest force that must be seen: bands and intervals, without Love's curves."""
+def symbol_of(table: pd.DataFrame) -> str:
+    """Return what stands for the parameter of a set."""
+    over = str(table["over"].iloc[0])
+    return SYMBOLS.get(over, plain(over.replace("_", " ")))
+
+
+def limit_curves(panel: Axes, table: pd.DataFrame) -> None:
+    """Show all bands and intervals of experiment and simulation, of Love's curves what fits."""
     seen = table[table["source"].isin(SOURCES)]
-    return float(np.nanmax(seen[["f", "high"]].to_numpy()))
+    top = float(np.nanmax(seen[["f", "high"]].to_numpy()))
+    panel.set(xlim=(0, 1.1), ylim=(-0.04 * top, ROOM * top))
 
 
 def draw_curves(panel: Axes, table: pd.DataFrame, source: str, colour: Colour) -> None:
@@ -94,7 +101,8 @@ def _peaks(panel: Axes, rows: pd.DataFrame, colour: Colour) -> None:
                        color=colour(row["value"]))  # fmt: skip
 
 
-def _legend(figure: Figure, panel: Axes, symbol: str) -> None:
+def legend_of_values(figure: Figure, panel: Axes, symbol: str) -> None:
+    """Say which colour is which value, beside the panels."""
     handles, labels = panel.get_legend_handles_labels()
     handles = [*handles, *panel.plot([], [], color=EXPERIMENT, lw=0.8)]
     handles += panel.plot([], [], color="0.4", lw=0.9, dashes=(4, 2))

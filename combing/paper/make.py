@@ -1,23 +1,49 @@
-"""Write the paper's study, with exports of the virtual lab in the lab's place, and carry it out."""
+"""Write the paper's study, with the virtual lab's data in the lab's place, and carry it out."""
 
 import json
+import logging
+import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from combing import __version__
 from combing.compare import Result, compare
-from combing.errors import UserError
+from combing.compare.curl_pages import first_photo
+from combing.paper.figures import write_figures
 from combing.paper.lab import write_logs
 from combing.paper.panels import REPEATS, Panel, panels
-from combing.study import load_study
-from combing.virtual_lab.specimens import RADIUS, YOUNG
+from combing.report import write_report
+from combing.study import Study, load_study
+from combing.virtual_lab.packaged import data_folder
+from combing.virtual_lab.photographs import MARKER_SIDE
+from combing.virtual_lab.specimens import HAIRS, PI1, RADIUS, YOUNG
 from sim.files import replacing
 
+log = logging.getLogger("combing")
 RIG = f"""\
 # The virtual lab's specimens (synthetic). SI units.
 r = {RADIUS}
 E = {YOUNG:.6g}
 poisson = 0.4
+"""
+PHOTOGRAPHED = f"""
+[[link]]
+name = "P/r = {PI1:g}, R/r = 1 (Figs. 2e, 3e)"
+photos = "lab/photos/synthetic_helix_[HELICES].jpg"
+before = "lab/photos/synthetic_helix_before.jpg"
+positions = "lab/photos/synthetic_helix_positions.csv"
+marker_side = {MARKER_SIDE}
+simulation = "lab/scenes/double_helix.toml"
+truth = "lab/truth/synthetic_link.csv"
+
+[[curl]]
+name = "{HAIRS} hairs (Figs. 1b, 1d, 3a, 3b)"
+photos = "lab/photos/synthetic_curl_[CURLS].jpg"
+marker_side = {MARKER_SIDE}
+strands = {HAIRS}
+simulations = "lab/scenes/curl_[CURLS].toml"
+truth = "lab/truth/synthetic_interactions.csv"
 """
 
 
@@ -26,8 +52,10 @@ def make_paper(
 ) -> Result:
     """Make figures, costs and claims in `out`.
 
-    Strategy: specimens are combed in the virtual lab, their exports and ``study.toml`` written, and
-    the study carried out like any other. Runs are kept in ``out/runs``, so the same call goes on
+    Strategy: specimens are combed in the virtual lab, their exports, the packaged photographs and
+    ``study.toml`` written, and the study carried out like any other; a study that was edited is
+    carried out as it is. Then the paper's figures are drawn by their numbers into ``out/figures``,
+    with ``out/paper.html`` to look at. Runs are kept in ``out/runs``, so the same call goes on
     where it stopped.
 
     Parameters
@@ -35,47 +63,68 @@ def make_paper(
     out : Path
         Folder for the study and the report.
     quick : bool
-        Helices of 0.06 m and one run a value instead of 0.15 m and five.
+        Helices of 0.06 m, one run a value and few photographs instead of 0.15 m, five and all.
     jobs : int, optional
         Simulations at once; as many as there are cores when absent.
     quiet : bool
         Show no progress.
-
-    Raises
-    ------
-    UserError
-        The study in `out` is not this command's own any more.
     """
-    _refuse_edited(out / "study.toml")
+    failed = []
+    if _is_edited(out / "study.toml"):
+        log.info("%s was edited: carried out as it is", out / "study.toml")
+    else:
+        failed = _write_study(out, quick, jobs=jobs, quiet=quiet)
+    study = load_study(out / "study.toml")
+    result = compare(study, out, jobs=jobs, quiet=quiet)
+    _write_page(study, result, out)
+    return Result(result.report, result.comparisons, failed + result.left_out)
+
+
+def _write_study(out: Path, quick: bool, *, jobs: int | None, quiet: bool) -> list[str]:
+    """Comb the specimens, put photographs beside them, write the study; return what failed."""
     chosen, repeats = panels(quick), _repeats(quick)
     failed = write_logs(chosen, repeats, out, jobs=jobs, quiet=quiet)
-    for name, text in (("rig.toml", RIG), ("study.toml", study_text(chosen, repeats))):
+    for folder in ("photos", "scenes", "truth"):
+        shutil.copytree(data_folder() / folder, out / "lab" / folder, dirs_exist_ok=True)
+    text = study_text(chosen, repeats, quick)
+    for name, content in (("rig.toml", RIG), ("study.toml", text)):
         with replacing(out / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-    result = compare(load_study(out / "study.toml"), out, jobs=jobs, quiet=quiet)
-    return Result(result.report, result.comparisons, failed + result.left_out)
+            temporary.write_text(content, encoding="utf-8")
+    return failed
+
+
+def _write_page(study: Study, result: Result, out: Path) -> None:
+    found = result.comparisons
+    curls = found.get("interactions")
+    photo = first_photo(study.curl[0], curls) if curls and study.curl else None
+    sections = write_figures(found, photo, out / "figures")
+    write_report(
+        out / "paper.html",
+        f"{study.title}: the paper's figures",
+        sections,
+        about=f"combing {__version__}; each figure is a PNG, an SVG and a CSV in figures/",
+        footer="Tables, claims, notes and where the numbers come from: report.html.",
+        synthetic=any(one.synthetic for one in found.values()),
+    )
 
 
 def _repeats(quick: bool) -> int:
     return 1 if quick else REPEATS
 
 
-def _refuse_edited(path: Path) -> None:
-    """Leave a study alone that a lab has put its own files into."""
-    own = [study_text(panels(quick), _repeats(quick)) for quick in (True, False)]
-    if path.exists() and path.read_text(encoding="utf-8") not in own:
-        raise UserError(
-            f"{path}: was edited and would be lost; carry it out with combing compare {path}, or "
-            "give another folder with -o"
-        )
+def _is_edited(path: Path) -> bool:
+    """Tell whether a lab has put its own files into a study, which then is left alone."""
+    own = [study_text(panels(quick), _repeats(quick), quick) for quick in (True, False)]
+    return path.exists() and path.read_text(encoding="utf-8") not in own
 
 
-def study_text(chosen: Sequence[Panel], repeats: int) -> str:
-    """Return the study file of the panels."""
+def study_text(chosen: Sequence[Panel], repeats: int, quick: bool) -> str:
+    """Return the study file of the panels and of the virtual lab's photographs."""
     lines = [
-        "# The paper's force curves. The exports are synthetic (virtual lab): name your own files",
-        "# in their place, or leave logs out. docs/study.md lists the keys.",
-        'title = "Combing a double helix: the force curves"',
+        "# The paper's figures. Exports and photographs are synthetic (virtual lab): name your own",
+        "# files in their place, or leave sets out, and call combing paper again.",
+        "# docs/study.md lists the keys.",
+        'title = "Combing a double helix"',
     ]
     for panel in chosen:
         table = {"name": panel.name, "over": panel.over, "values": list(panel.values)}
@@ -83,7 +132,8 @@ def study_text(chosen: Sequence[Panel], repeats: int) -> str:
             table |= {"logs": f"lab/synthetic_{panel.stem}_{{value}}_*.csv", "rig": "rig.toml"}
         lines += ["", "[[sweep]]", *(f"{key} = {json.dumps(one)}" for key, one in table.items())]
         lines += [f"fixed = {_inline(panel.fixed)}", f"seeds = {repeats}"]
-    return "\n".join(lines) + "\n"
+    seen = PHOTOGRAPHED.replace("HELICES", "25" if quick else "1-9")
+    return "\n".join(lines) + "\n" + seen.replace("CURLS", "1" if quick else "1-9")
 
 
 def _inline(table: Mapping[str, Any]) -> str:

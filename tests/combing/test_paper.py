@@ -1,15 +1,17 @@
 """The paper's study: it is one that can be read, and its virtual specimens are what they say."""
 
+import shutil
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import instron
-from combing.errors import UserError
 from combing.paper import make, make_paper
 from combing.paper.lab import specimens_of
 from combing.paper.panels import Panel, panels
 from combing.study import load_study
+from combing.virtual_lab.packaged import data_folder
 
 
 @pytest.mark.parametrize("quick", [True, False])
@@ -20,7 +22,9 @@ def test_the_study_of_the_paper_is_a_study(tmp_path, quick):
         for name, _ in specimens_of(panel, 2) if panel.measured else ():
             (tmp_path / "lab" / f"{name}.csv").touch()
     (tmp_path / "rig.toml").write_text(make.RIG)
-    (tmp_path / "study.toml").write_text(make.study_text(chosen, 2))
+    for folder in ("photos", "scenes", "truth"):
+        shutil.copytree(data_folder() / folder, tmp_path / "lab" / folder)
+    (tmp_path / "study.toml").write_text(make.study_text(chosen, 2, quick))
     study = load_study(tmp_path / "study.toml")
     assert [one.over for one in study.sweep] == ["pi1", "pi2", "pi3", "q", "friction"]
     for one, panel in zip(study.sweep, chosen, strict=True):
@@ -28,6 +32,8 @@ def test_the_study_of_the_paper_is_a_study(tmp_path, quick):
         if panel.measured:
             assert {len(paths) for paths in one.logs.values()} == {2}
     assert len(study.sweep[0].members()) == 10
+    assert len(study.link[0].photos) == (2 if quick else 6)
+    assert len(study.curl[0].photos) == len(study.curl[0].simulations) == (1 if quick else 3)
     rig = instron.load_rig(tmp_path / "rig.toml")
     rod = study.sweep[0].nominal(18).scene.rods[0]
     assert (rig.r, rig.E) == pytest.approx((rod.radius, rod.material.E), rel=1e-5)
@@ -48,6 +54,7 @@ def test_a_small_paper_has_experiment_over_simulation_and_goes_on(tmp_path, monk
     fixed = {"turns": 3, "elements_per_pitch": 6, "speed": 0.5, "snapshots": 2}
     small = [Panel("Pitch", "pitch", "pi1", (18, 24), fixed)]
     monkeypatch.setattr(make, "panels", lambda quick: small)
+    monkeypatch.setattr(make, "PHOTOGRAPHED", "")
     out = tmp_path / "out"
     result = make_paper(out, quick=True, jobs=1, quiet=True)
     assert result.left_out == []
@@ -60,8 +67,12 @@ def test_a_small_paper_has_experiment_over_simulation_and_goes_on(tmp_path, monk
     assert len(runs) == 4
     make_paper(out, quick=True, jobs=1, quiet=True)
     assert {path: path.stat().st_mtime_ns for path in runs} == runs
+    assert {path.stem for path in (out / "figures").glob("*.csv")} == {"figure_2c", "figure_3c"}
+    assert "Figure 2c" in (out / "paper.html").read_text(encoding="utf-8")
+    logs = {path: path.stat().st_mtime_ns for path in (out / "lab").glob("*.csv")}
     edited = out / "study.toml"
-    edited.write_text(edited.read_text() + "# ours\n")
-    with pytest.raises(UserError, match="was edited and would be lost"):
-        make_paper(out, quick=True, jobs=1, quiet=True)
+    edited.write_text(edited.read_text().replace('"Pitch"', '"Ours"') + "# ours\n")
+    make_paper(out, quick=True, jobs=1, quiet=True)
     assert edited.read_text().endswith("# ours\n")
+    assert {path: path.stat().st_mtime_ns for path in logs} == logs
+    assert set(pd.read_csv(out / "figures" / "figure_2c.csv", comment="#")["set"]) == {"Ours"}

@@ -211,11 +211,29 @@ def test_histogram_draws_densities_and_their_sd(curls):
     segments = np.array(whiskers.lines[2][0].get_segments())
     assert np.diff(segments[:, :, 1]).ravel() == pytest.approx(2 * np.sqrt(densities.var(axis=1)))
     middles = [bar.get_x() + bar.get_width() / 2 for bar in bars]
-    np.testing.assert_allclose(middles, densities.index - 0.2)
+    np.testing.assert_allclose(middles, densities.index)
     np.testing.assert_allclose(segments[:, 0, 0], middles)
     assert panel.get_ylim()[0] == 0
     dots = [one.get_ydata() for one in panel.lines if one.get_marker() == "."]
     np.testing.assert_allclose(dots, densities.T)
+
+
+def test_one_curl_alone_has_its_interval_over_sections_and_two_sources_stand_side_by_side(curls):
+    one = curls.plotted[curls.plotted["sample"] == "c0"]
+    both = pd.concat([one, one.assign(source="simulation")])
+    (panel,) = draw_interactions(both, n_sec=20, synthetic=False).axes
+    bars = [one for one in panel.containers if isinstance(one, BarContainer)]
+    middles = [[bar.get_x() + bar.get_width() / 2 for bar in own] for own in bars]
+    np.testing.assert_allclose(middles, [one["N"] - 0.2, one["N"] + 0.2])
+    whiskers = [each for each in panel.containers if isinstance(each, ErrorbarContainer)]
+    for each in whiskers:
+        segments = np.array(each.lines[2][0].get_segments())
+        np.testing.assert_allclose(segments[:, :, 1].T, [one["low"], one["high"]])
+    sections = count_interactions(braid(4), 1.0, 20).query("N == 2")["density"]
+    half = 2.0930 * sections.std(ddof=1) / 20**0.5  # Student, 19 degrees of freedom, 95 %
+    pairs = one[one["N"] == 2].iloc[0]
+    assert pairs["high"] - pairs["density"] == pytest.approx(half, rel=1e-4)
+    assert pairs["density"] - pairs["low"] == pytest.approx(half, rel=1e-4)
 
 
 def seen(link, sd, photo):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from combing.cli import main
-from combing.commands.demo import data_folder
+from combing.virtual_lab.packaged import data_folder
 
 PAGE = Path(__file__).parents[2] / "docs" / "start.md"
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S)

@@ -158,6 +158,11 @@ def test_the_figure_draws_the_table(found):
     dashed = [one for one in left.lines if one.is_dashed() and len(one.get_xdata())]
     love = table[table["source"] == "theory"]
     np.testing.assert_allclose(np.concatenate([one.get_ydata() for one in dashed]), love["f"])
+    seen = table[table["source"] != "theory"]
+    low, high = left.get_ylim()
+    assert 1 < high / max(seen["f"].max(), seen["high"].max()) < 1.3  # Love's curve runs off
+    assert -0.1 * high < low <= 0
+    assert left.get_xlim() == (0, 1.1)
     bars = [one for one in right.containers if isinstance(one, ErrorbarContainer)]
     heights = [one.lines[0].get_ydata().item() for one in bars]
     peaks = table[table["curve"] == "f_max"]

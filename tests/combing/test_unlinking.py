@@ -99,6 +99,35 @@ def test_the_tine_is_where_the_strands_meet_it_first():
     assert tine_place(run, 0.03, *kinked, TURNS) == pytest.approx(0.03, abs=1e-3)
 
 
+@pytest.mark.parametrize(("apart", "first"), [(1.4, True), (1.6, False)])
+def test_a_strand_is_met_where_it_is_within_half_a_touching_distance_of_the_tine(apart, first):
+    """It goes down `apart` touching distances beside the tine, and up through it again."""
+    run = Combing()
+    aside = apart * (run.scene.tines[0].radius + run.scene.rods[0].radius)
+    z = np.linspace(0, 0.06, 601)
+    down = np.column_stack([0 * z + aside, 0 * z, -z])
+    strand = np.concatenate([down, down[::-1] * [0, 1, 1]])
+    assert (tine_place(run, 0.03, strand, strand, 0.0) < 0.06) == first
+
+
+def test_a_history_looks_at_some_thirty_snapshots_of_a_long_run():
+    run = Combing()
+    run.displacements = np.linspace(0, 0.1, 251)
+    assert 32 <= len(link_history(run)) <= 40
+
+
+def test_facts_leave_out_how_the_force_rises_before_the_tine_moves():
+    """What happens on the first fiftieth of the stroke decides nothing; on the next it does."""
+    x = np.array([0.0, 0.01, 0.019, 0.03, 0.1, 0.2, 0.4, 0.8])
+    history = pd.DataFrame({"x": x, "force": x, "excess": x, "near": 100 + x})
+    history = history.assign(jump=0.5, stays=20.0, turns=20.0)
+    history.attrs = {"lambda_0": 100.0}
+    history.loc[:2, "force"] = 9.0
+    assert link_facts(history, [])["force_and_excess"] == pytest.approx(1)
+    history.loc[3, "force"] = 9.0
+    assert link_facts(history, [])["force_and_excess"] < 0.5
+
+
 def test_direction_and_axis_of_the_tine_may_have_any_length():
     run = Combing()
     places = [tine_place(run, 0.03, *pair(0.0), TURNS)]

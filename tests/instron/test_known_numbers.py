@@ -40,3 +40,11 @@ def test_a_jam_loses_three_tenths_of_its_force(left, kind):
     found = events(step(left))
     (first,) = found[(found["kind"] != "plateau") & (found["x"] < 0.5)]["kind"]
     assert first == kind
+
+
+@pytest.mark.parametrize(("slope", "flat"), [(0.13, True), (0.17, False)])
+def test_a_plateau_rises_by_less_than_0_15_f_max_over_d(slope, flat):
+    f = np.interp(X, [0, 0.3, 0.9, 1.0], [0, 1 - 0.6 * slope, 1, 0])
+    table = pd.DataFrame({"x": X, "f": f})
+    table.attrs = {"D": 0.08, "B": 1e-4, "l0": 0.01, "f_noise": 0.0}
+    assert ("plateau" in set(events(table)["kind"])) == flat

@@ -19,6 +19,7 @@ def test_lengths_of_the_double_helix_are_multiples_of_the_filament_radius():
     assert second.phase - first.phase == pytest.approx(math.pi)
     assert scene.tines[0].radius == pytest.approx(3 * R)
     assert scene.rods[0].elements == round(12 * 0.1 / (24 * R))
+    assert sim.double_helix(24).rods[0].shape.height == 0.15  # the paper's
     assert sim.double_helix(24, turns=7).rods[0].shape.height == pytest.approx(7 * 24 * R)
 
 
