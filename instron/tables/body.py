@@ -27,7 +27,14 @@ from instron.tables.blocks import (
     marks_above,
     repeated_blocks,
 )
-from instron.tables.footer import ends_in_statistics, ends_rows, is_statistic, is_trailer
+from instron.tables.footer import (
+    begins_otherwise,
+    ends_oddly,
+    ends_rows,
+    is_short,
+    is_statistic,
+    is_trailer,
+)
 from instron.tables.layout import (
     Header,
     find_header,
@@ -63,7 +70,7 @@ def read_bodies(source: Source, header: Header, delimiter: str, told: Told) -> l
     """Return the tables of a file: one per header that rows of numbers follow."""
     refuse_lone_returns(source, max(header.line, 0))
     whole = _last_line_is_whole(source, header, delimiter)
-    whole = whole and not ends_in_statistics(source, delimiter)
+    whole = whole and not ends_oddly(source, source.line(header.first_row), delimiter)
     if whole and not _words_within(source, header):
         start = source.offset(header.first_row)
         quick = _quick(source, start, header, delimiter, source.head[header.first_row])
@@ -75,6 +82,10 @@ def read_bodies(source: Source, header: Header, delimiter: str, told: Told) -> l
     bodies = []
     for block, rows, cut in _walk(source, header, delimiter, told):
         bodies.append(_exact(source, block, rows, delimiter))
+        last = [split_cells(source.lines[row], delimiter) for row in rows[-12:]]
+        if is_short(last):
+            note = f"line {rows[-1] + 1}: fewer cells than in any row above"
+            bodies[-1].warnings.append(note)
         gaps = (source.lines[a + 1 : b] for a, b in pairwise(rows) if b - a > 1)
         marks = sum(not all(map(is_blank, gap)) for gap in gaps)
         if marks:
@@ -199,6 +210,9 @@ def _is_cut(lines: list[str], header: Header, delimiter: str) -> bool:
     if last not in header.used() or not cells[last]:
         return False
     before = [split_cells(line.rstrip("\r"), delimiter) for line in lines[-50:-1]]
+    before = [row for row in before if is_row(row, header.used())]
+    if before and min(map(len, before)) > len(cells):
+        return True  # what no row lacks, be it unused
     decimals = [_decimals(c[last]) for c in before if len(c) == len(cells)]
     # Where zeros at the end are left out, as many decimals in all rows say nothing.
     fixed = any(text.endswith("0") or "e" in text.casefold() for text in decimals)
@@ -251,8 +265,17 @@ def _walk(
         rows, stop, cut = _rows(source, header, delimiter)
         following = _next_header(source, header, stop, delimiter, told)
         blocks.append((header, rows, cut))
+        if following is None:
+            _say_empty(source, header, stop, delimiter)
         header = following
     return blocks
+
+
+def _say_empty(source: Source, header: Header, start: int, delimiter: str) -> None:
+    """Say so where the heading of a table comes again and no whole row follows it."""
+    for number in range(start, len(source.lines) - 1):
+        if split_cells(source.lines[number], delimiter) == header.names:
+            header.doubts.append(f"line {number + 1}: the heading comes again without a whole row")
 
 
 def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], int, int | None]:
@@ -277,6 +300,10 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
         if not torn and (digits or is_row(cells, used)):
             if len(cells) > width and cells[width]:
                 _refuse_wide(source, number, len(cells), width)
+            if rows and begins_otherwise(cells, split_cells(lines[rows[0]], delimiter)):
+                header.doubts.append(
+                    f"line {number + 1}: '{cells[0][:40]}' begins a row of numbers"
+                )
             rows.append(number)
             continue
         if _is_last_and_open(source, number):
@@ -288,8 +315,8 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
             header.doubts.append(note)
         elif not _is_block_head(source, header, number, delimiter):
             _refuse_damaged(source, number, cells, used)
-            if rows and _is_like(cells, split_cells(lines[rows[-1]], delimiter)):
-                header.doubts.append(f"line {number + 1}: '{line.strip()[:40]}' is no row")
+        if rows and _is_like(cells, split_cells(lines[rows[-1]], delimiter)):
+            header.doubts.append(f"line {number + 1}: '{line.strip()[:40]}' is no row")
         return rows, number, None
     return _without_cut_row(source, header, rows, delimiter)
 

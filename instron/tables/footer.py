@@ -56,11 +56,21 @@ def is_trailer(
     return shorter and ends_rows(source, number, delimiter, used, len(source.lines))
 
 
-def ends_in_statistics(source: Source, delimiter: str) -> bool:
-    """Tell whether one of the last lines names a statistic."""
+def ends_oddly(source: Source, first_row: str, delimiter: str) -> bool:
+    """Tell whether one of the last lines names a statistic, begins with no number, or is short."""
     tail = source.data[-5000:].decode(source.encoding, errors="replace").split("\n")[-LONGEST:]
-    return any(
-        is_statistic(split_cells(line.rstrip("\r"), delimiter))
-        for line in tail
-        if re.search(r"[^\W\d_]{2}", line)
-    )
+    first = split_cells(first_row, delimiter)
+    rows = [split_cells(line.rstrip("\r"), delimiter) for line in tail[1:]]
+    if is_short([row for row in rows if any(row)]):
+        return True
+    return any(is_statistic(row) or begins_otherwise(row, first) for row in rows)
+
+
+def is_short(rows: Sequence[Sequence[str]]) -> bool:
+    """Tell whether the last row has fewer cells than any before it."""
+    return len(rows) > 2 and len(rows[-1]) < min(map(len, rows[:-1]))
+
+
+def begins_otherwise(cells: Sequence[str], first: Sequence[str]) -> bool:
+    """Tell whether a line begins with no number where the first row does."""
+    return bool(cells[0]) and looks_numeric(first[0]) and not looks_numeric(cells[0])

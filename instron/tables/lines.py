@@ -14,6 +14,7 @@ from instron.tables.layout import Header, is_blank, split_cells
 
 ROLES = ("blank", "metadata", "heading", "units", "block head", "data", "end mark", "lost")
 BLANK, METADATA, HEADING, UNITS, BLOCK_HEAD, DATA, END_MARK, LOST = range(len(ROLES))
+SOME = 20  # specimens that a table of results may count
 FEW = 3  # rows of another table that a log need not be warned of
 
 
@@ -77,6 +78,7 @@ def ledger(
             DATA if any(body is log for log in taken) else LOST
         )
         above = int(rows[-1]) + 1
+    roles[_rows_above(source, bodies[0].header, delimiter)] = LOST
     for number in range(last + 1, len(roles)):
         roles[number] = _role(source, None, number, last, delimiter)
     for number, role in odd.items():
@@ -102,6 +104,29 @@ def _role(source: Source, header: Header | None, number: int, above: int, delimi
     return BLOCK_HEAD if header else METADATA
 
 
+def _rows_above(source: Source, header: Header, delimiter: str) -> list[int]:
+    """Return the lines above the first table that its rows look like: their own heading is damaged.
+
+    Results, a row a specimen, are as wide as rows by chance alone, and few; some count specimens.
+    """
+    found: list[int] = []
+    run: list[list[str]] = []
+    for number in range(header.line + 1):
+        cells = split_cells(source.line(number), delimiter) if number < header.line else []
+        if len(cells) == header.width and all(map(looks_numeric, cells)):
+            run.append(cells)
+            continue
+        if len(run) >= (SOME if _counts(run) else FEW):
+            found += range(number - len(run), number)
+        run = []
+    return found
+
+
+def _counts(rows: Sequence[list[str]]) -> bool:
+    """Tell whether the first cells count from 1."""
+    return [row[0] for row in rows] == [str(i + 1) for i in range(len(rows))]
+
+
 def _check(source: Source, roles: np.ndarray, bodies: Sequence[Body]) -> None:
     """Refuse a reading in which rows were counted that the file has not."""
     rows = sum(len(body.lines) for body in bodies)
@@ -112,6 +137,6 @@ def _check(source: Source, roles: np.ndarray, bodies: Sequence[Body]) -> None:
 
 def lost_lines(found: Ledger) -> list[str]:
     """Name the rows of numbers that are in no log."""
-    spans = [(a, b) for a, b in found.spans(LOST) if b - a >= FEW]
+    spans = [(a, b) for a, b in found.spans(LOST) if b - a + 1 >= FEW]
     return [f"lines {a} to {b}: {b - a + 1} rows of another table, or without a heading, not read"
             for a, b in spans]  # fmt: skip

@@ -75,6 +75,10 @@ def no_lists(source: Source, bodies: list[Body], delimiter: str) -> list[Body]:
 
 
 def logs_only(bodies: list[Body]) -> list[Body]:
-    """Leave out results: tables of a row or two, or without time, where others are longer."""
-    long = [b for b in bodies if len(b.lines) > 2] or bodies
+    """Leave out results: tables of a row or two, or without time, where others are longer.
+
+    What is short under the names of a longer one is the rest of a test.
+    """
+    names = [b.header.names for b in bodies if len(b.lines) > 2]
+    long = [b for b in bodies if len(b.lines) > 2 or b.header.names in names] or bodies
     return [b for b in long if all("time" in s for s in b.header.specimens)] or long

@@ -101,7 +101,7 @@ def _is_read(log, numbers, scales):
     )
 
 
-def _strict(lines, at, mark):
+def _strict(lines, at, mark, width):
     """Return the numbers of the rows by one who knows which lines they are; None if damaged."""
     found = []
     for role, text in lines:
@@ -111,16 +111,10 @@ def _strict(lines, at, mark):
             cells = line.split(mark)
             good = [re.fullmatch(r"\s*-?(\d+\.?\d*|\.\d+)(e\d+)?\s*", cells[k])
                     if k < len(cells) else None for k in at]  # fmt: skip
-            if not all(good) or len(cells) != lines_width(lines, mark):
+            if not all(good) or len(cells) < width or any(map(str.strip, cells[width:])):
                 return None
             found.append([float(match[0]) for match in good])
     return np.array(found)
-
-
-def lines_width(lines, mark):
-    """Return how many cells most rows have."""
-    widths = [text.count(mark) + 1 for role, text in lines if role == "row"]
-    return max(set(widths), key=widths.count)
 
 
 def check_file(drawn, damage, attempt):
@@ -135,7 +129,8 @@ def check_file(drawn, damage, attempt):
     if logs is None or any(_kinds(log) - _kinds(whole[0]) for log in logs):
         return
     assert len(logs) == 1, _text(after, closed).decode()
-    truth = _strict(after, at, mark)
+    width = next(text.count(mark) + 1 for role, text in lines if role == "row")
+    truth = _strict(after, at, mark, width)
     said = f"{_text(after, closed).decode()}\nread as\n{logs[0]}"
     assert truth is not None, f"a damaged row passed without a word: {said}"
     assert _is_read(logs[0], truth, scales), said
