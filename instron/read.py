@@ -218,8 +218,15 @@ def _find(source: Source, told: Told, bare: Sequence[str] | None) -> tuple[str, 
                 else find_header(lines, delimiter, told=told)
             )  # fmt: skip
             if header is not None:
+                header.doubts.extend(_same_above(lines, header.line))
                 return delimiter, header
     raise NoLog(f"{source.path}: {why_no_log(source.lines, told)}")
+
+
+def _same_above(lines: list[str], line: int) -> list[str]:
+    """Name the lines above a header that are the same: what damaged their rows' beginning?"""
+    return [f"line {number + 1}: the same heading, whose rows cannot be read"
+            for number in range(line) if lines[number] == lines[line]]  # fmt: skip
 
 
 def _told(lines: list[str], delimiter: str, columns: Sequence[str]) -> Header | None:

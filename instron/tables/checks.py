@@ -44,7 +44,7 @@ def refuse_other_units(source: Source, bodies: Sequence[Body], delimiter: str) -
             cells = split_cells(source.line(line), delimiter)
             for index, text in body.header.unit_cells.items():
                 found = cells[index] if index < len(cells) else ""
-                if found and found != text:
+                if found != text:
                     raise Unreadable(
                         f"{source.path}: line {line + 1}: the unit in column {index + 1} is"
                         f" '{found}', in the first rows '{text}'"
