@@ -1,6 +1,7 @@
 """Simulate scenes side by side, once each: a run that is on disk already is not run again."""
 
 import hashlib
+import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
@@ -12,6 +13,7 @@ import pandas as pd
 
 import instron
 import sim
+from combing.errors import UserError
 from combing.progress import Bar
 from combing.workers import Crew, cores
 
@@ -111,6 +113,14 @@ def _watch(crew: Crew, total: int, failed: dict[Path, Exception], quiet: bool) -
             bar.update(100 * crew.fraction - bar.n)
 
         crew.wait(look, ended)
+
+
+def refuse_to_replace(path: Path, scene: sim.Scene) -> None:
+    """Raise UserError where a path holds a finished run of another scene."""
+    if json.loads(sim.open_run(path).data.attrs["scene"]) != json.loads(scene.model_dump_json()):
+        raise UserError(
+            f"{path}: a finished run of another scene; write to another place, or over it (--fresh)"
+        )
 
 
 def scaled(run: sim.Run) -> pd.DataFrame:

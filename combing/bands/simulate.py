@@ -1,6 +1,5 @@
 """Simulate a scene with what its bands need, on all cores, and keep the bands with the run."""
 
-import json
 import logging
 from pathlib import Path
 
@@ -10,7 +9,7 @@ from combing.bands.scenes import scenes_of_bands
 from combing.bands.store import with_bands
 from combing.ensemble import IMPERFECTION
 from combing.errors import UserError
-from combing.runs import trying
+from combing.runs import refuse_to_replace, trying
 
 MEMBERS = 5
 FEWEST = 2  # from which a spread is known at all
@@ -63,7 +62,7 @@ def simulate_with_bands(
     if members < FEWEST:
         raise UserError(f"members = {members}: a spread needs at least {FEWEST}")
     if path.exists() and not fresh:
-        _refuse_to_replace(path, scene)
+        refuse_to_replace(path, scene)
     scenes = scenes_of_bands(scene, members, size)
     with trying(scenes, path.parent / "runs", jobs=jobs, quiet=quiet) as wait:
         outcomes = wait()
@@ -88,11 +87,3 @@ def _noted(bands: Bands, failed: dict[int, Exception], has_coarse: bool) -> Band
     for note in notes:
         log.warning(note)
     return Bands(bands.force, bands.link, bands.numbers, bands.about | {"notes": notes})
-
-
-def _refuse_to_replace(path: Path, scene: sim.Scene) -> None:
-    there = json.loads(sim.open_run(path).data.attrs["scene"])
-    if there != json.loads(scene.model_dump_json()):
-        raise UserError(
-            f"{path}: a finished run of another scene; write to another place, or over it (--fresh)"
-        )

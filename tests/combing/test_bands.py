@@ -20,7 +20,7 @@ from combing.errors import UserError
 from combing.figures.run import draw_run
 from combing.runs import simulating
 
-BRIEF = {"pi1": 24, "turns": 2, "q": 1, "speed": 0.5, "snapshots": 4, "elements_per_pitch": 6}
+BRIEF = {"pi1": 18, "turns": 3, "q": 2, "speed": 0.5, "snapshots": 4, "elements_per_pitch": 6}
 
 
 def brief(**others):
@@ -61,8 +61,8 @@ def test_an_error_of_the_mesh_does_not_vanish_where_two_curves_cross():
 def test_a_coarser_scene_has_longer_elements_and_is_else_the_same():
     scene = brief(elements_per_pitch=12)
     rough = coarser(scene)
-    assert [rod.elements for rod in rough.rods] == [round(24 / RATIO)] * 2
-    same = [rod.model_copy(update={"elements": 24}) for rod in rough.rods]
+    assert [rod.elements for rod in rough.rods] == [round(36 / RATIO)] * 2
+    same = [rod.model_copy(update={"elements": 36}) for rod in rough.rods]
     assert rough.model_copy(update={"rods": same}) == scene
 
 
@@ -74,7 +74,7 @@ def test_a_mesh_that_cannot_be_coarser_is_told():
 def test_members_are_bent_by_the_stated_share_and_each_anew():
     scene = brief(turns=200)
     found = [perturbed(scene, seed, 0.02).rods[0].curvature for seed in (1, 2)]
-    radius, rise = 4.25e-4, 24 * 4.25e-4 / (2 * np.pi)
+    radius, rise = 4.25e-4, 18 * 4.25e-4 / (2 * np.pi)
     assert found[0].sd == pytest.approx(0.02 * radius / (radius**2 + rise**2))
     curl = sim.curl(2)
     again = perturbed(curl, 5)
@@ -201,7 +201,7 @@ def test_the_command_writes_bands_and_draws_them(tmp_path, capsys):
 @pytest.mark.slow
 def test_bands_hold_fine_references_and_members_that_they_have_not_seen(tmp_path):
     """Bands at half: three times as wide would hold 90 %, half as wide 27 %, of further members."""
-    scene = brief(turns=3, q=2, elements_per_pitch=9)
+    scene = brief(elements_per_pitch=9)
     scenes = {(group, key): perturbed(scene, 10 * group + key) for group in range(5)
               for key in range(6)}  # fmt: skip
     fine = scene.model_copy(
