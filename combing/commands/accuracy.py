@@ -54,8 +54,9 @@ def _write(
 ) -> None:
     from combing.accuracy import teeth
     from combing.accuracy.summary import about_machine
-    from combing.figures.accuracy import draw_case, draw_teeth
+    from combing.figures.accuracy import draw_case, draw_front, draw_teeth
     from combing.tables import write_table
+    from combing.tolerance import PRESETS, load_front, pareto
     from sim.files import replacing
 
     write_table(
@@ -77,6 +78,7 @@ def _write(
     _save(draw_case(table, "cantilever", "error of the deflection"), output / "cantilever.png")
     _save(draw_case(table, "capstan", "error of $T_2/T_1$"), output / "capstan.png")
     _save(draw_case(table, "first jam", "difference of $f$"), output / "jam.png")
+    _save(draw_front(load_front(), pareto(load_front()), PRESETS), output / "front.png")
     _save(draw_teeth(tables["curves"], tables["ensemble"], tables["peaks"]), output / "teeth.png")
 
 

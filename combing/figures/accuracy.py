@@ -1,5 +1,7 @@
 """What accuracy costs: error over each knob and over time, and force curves that part."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -10,6 +12,7 @@ from combing.figures.style import (
     BAND,
     EXPERIMENT,
     SIMULATION,
+    STRANDS,
     THEORY,
     legend_above,
     new_figure,
@@ -54,6 +57,41 @@ def draw_case(table: pd.DataFrame, case: str, error: str) -> Figure:
             panel.remove()
         for panel in panels[:count:columns]:
             panel.set_ylabel(error)
+    return figure
+
+
+def draw_front(table: pd.DataFrame, front: pd.DataFrame, presets: Mapping[str, float]) -> Figure:
+    """Draw the errors of every measured setting over its time, and the front of the best.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Columns elements, speed, force, link, error, seconds (`combing.tolerance.load_front`).
+    front : DataFrame
+        Its rows to which no other is both cheaper and more accurate, the cheapest first.
+    presets : mapping
+        Tolerances by name, drawn as lines.
+    """
+    with paper_style():
+        figure, panels = new_figure(1, 2, 2.9)
+        for panel, column, error in (
+            (panels[0], "force", "error of $f$, over its highest"),
+            (panels[1], "link", r"error of $\lambda$, over $1/P$"),
+        ):
+            for number, (elements, rows) in enumerate(table.groupby("elements")):
+                colour = STRANDS[number % len(STRANDS)]
+                label = f"{elements:g} a pitch"
+                panel.loglog(rows["seconds"], rows[column], "o", ms=4, label=label, color=colour)
+            panel.plot(front["seconds"], front[column], color="0.4", lw=0.8, zorder=0)
+            panel.set(xlabel="processor time (s)", ylabel=error)
+            panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
+            panel.xaxis.set_major_formatter("{x:g}")
+            panel.xaxis.set_minor_formatter(NullFormatter())
+            for name, tolerance in presets.items():
+                panel.axhline(tolerance, color="0.8", lw=0.6, zorder=0)
+                panel.annotate(name, (0.99, tolerance), xycoords=("axes fraction", "data"),
+                               ha="right", va="bottom", fontsize=7, color="0.4")  # fmt: skip
+        legend_above(figure, panels[0], table["elements"].nunique())
     return figure
 
 

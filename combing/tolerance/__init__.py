@@ -1,6 +1,6 @@
 """How accurate a combing shall be: the cheapest setting that is predicted to hold it, verified."""
 
-from combing.tolerance.front import PRESETS, load_front
+from combing.tolerance.front import PRESETS, load_front, pareto
 from combing.tolerance.setting import Setting
 from combing.tolerance.simulate import (
     as_tolerance,
@@ -16,6 +16,7 @@ __all__ = [
     "as_tolerance",
     "in_words",
     "load_front",
+    "pareto",
     "read_tolerance",
     "simulate_to_tolerance",
     "with_record",
