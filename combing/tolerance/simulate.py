@@ -15,6 +15,7 @@ from combing.tolerance.front import PRESETS, cheapest, is_of_this_solver, predic
 from combing.tolerance.setting import Setting, as_row, with_setting
 
 REFINEMENTS = 3  # after which a tolerance is given up
+SNAPSHOTS = 129  # at least
 DOUBLE = 2.0  # errors of the second resolution over those of the first
 STEP = (2.0, 8.0)  # least and most by which a refinement divides every error
 log = logging.getLogger("combing")
@@ -68,7 +69,8 @@ def simulate_to_tolerance(
     ----------
     scene : Scene
         Helices that one tine combs. Elements, step, speed of the tine and stiffness of contact are
-        chosen anew: the result is nearer to slow tines and hard strands than the scene asks for.
+        chosen anew: the result is nearer to slow tines and hard strands than the scene asks for. At
+        least 129 snapshots are recorded.
     path : path
         Where the run is written; all runs are kept in the folder `runs` beside it, and used again.
     tolerance : float
@@ -91,6 +93,7 @@ def simulate_to_tolerance(
     path = Path(path)
     if path.exists() and not fresh:
         _refuse_to_replace(path, scene)
+    asked, scene = scene, _often(scene)
     setting, predicted = cheapest(scene, tolerance)
     chosen = with_setting(scene, setting)
     if not is_of_this_solver():
@@ -114,8 +117,15 @@ def simulate_to_tolerance(
             run = wait()[0]
         found = _error(run, before, factor)
         tries.append(Try(setting, tries[-1].found.worst / factor, found, _seconds([run])))
-    with_record(run, _record(scene, tolerance, tries)).save(path)
+    with_record(run, _record(scene, tolerance, tries) | {"asked": _digest(asked)}).save(path)
     return sim.open_run(path)
+
+
+def _often(scene: sim.Scene) -> sim.Scene:
+    """Return the scene with at least SNAPSHOTS: lambda is compared between them."""
+    output = scene.output
+    often = output.model_copy(update={"snapshots": max(output.snapshots, SNAPSHOTS)})
+    return scene.model_copy(update={"output": often})
 
 
 def _error(run: sim.Run, second: sim.Run, factor: float) -> Apart:
@@ -142,7 +152,6 @@ def _record(scene: sim.Scene, tolerance: float, tries: list[Try]) -> dict[str, A
         half = cheapest(scene, tolerance / 2)[0]
     now, then = (predicted_seconds(with_setting(scene, one)) for one in (last.setting, half))
     return {
-        "asked": _digest(scene),
         "tolerance": tolerance,
         "held": last.found.worst <= tolerance,
         "force": last.found.force,

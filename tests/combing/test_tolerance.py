@@ -180,6 +180,7 @@ def test_what_does_not_hold_is_refined_until_it_does(scripted, tmp_path, caplog)
     assert record["setting"]["elements"] == pytest.approx(12 * 2.5**0.5)
     assert record["setting"]["speed"] == pytest.approx(0.4 / 2.5)
     assert [len(wanted) for wanted in scenes] == [2, 1]
+    assert scenes[0][0].output.snapshots == 129
     assert "not within 3 %: f is off by 6 %, lambda by 3 %; refining" in caplog.text
     assert record["next_half"] > 0
 
@@ -217,7 +218,7 @@ def test_a_run_of_something_else_is_not_written_over(scripted, runs, tmp_path):
 @pytest.mark.slow
 def test_a_tolerance_holds_against_a_fine_reference(tmp_path, capsys):
     """Of a scene that the front has not seen; and the command goes together with error bars."""
-    given = ["--set", "pi1=20", "--set", "height=0.025", "--set", "snapshots=17"]
+    given = ["--set", "pi1=20", "--set", "height=0.025"]
     command = ["simulate", "--preset", "double_helix", *given, "-o", str(tmp_path / "out"),
                "--tolerance", "4%", "--error-bars", "--members", "2", "--json"]  # fmt: skip
     with pytest.raises(SystemExit) as stopped:
@@ -230,7 +231,7 @@ def test_a_tolerance_holds_against_a_fine_reference(tmp_path, capsys):
     assert read_bands(run) is not None
     assert any(said.startswith("held: f within") for said in json.loads(out).values()
                if isinstance(said, str))  # fmt: skip
-    scene = sim.double_helix(pi1=20, height=0.025, snapshots=33)
+    scene = sim.double_helix(pi1=20, height=0.025)
     fine = sim.simulate(with_setting(scene, Setting(24, 0.95, 0.2, 1.0)))
     found = apart(run, fine)
     assert found.worst < 0.04
