@@ -48,7 +48,7 @@ def run_sweep(
     quiet: bool = False,
     start: Start | None = None,
 ) -> pd.DataFrame:
-    """Simulate what is missing of a sweep and write ``points.csv``.
+    """Simulate what is missing of a sweep, or of a part of it, and write ``points.csv``.
 
     Parameters
     ----------
@@ -57,7 +57,8 @@ def run_sweep(
     out : Path
         Folder of the points.
     part : (int, int)
-        Simulate the i-th of n parts of the points; several parts may run at once.
+        Simulate the i-th of n parts of the points and write ``points_{i}of{n}.csv``; several parts
+        may run at once. A call for the whole, once all are done, writes the table of all.
     jobs : int, optional
         Simulations at once; as many as there are cores when absent.
     retry : bool
@@ -70,7 +71,7 @@ def run_sweep(
     Returns
     -------
     DataFrame
-        One row a point of the whole sweep: the varied parameters, seed, state (done, failed,
+        One row a point: the varied parameters, seed, state (done, failed,
         missing), f_max, D [m], w, reason, file.
 
     Raises
@@ -78,13 +79,18 @@ def run_sweep(
     UserError
         The folder cannot be written to.
     """
-    members, store = sweep.members(), Store(out)
-    mine = part_of_points(members, part)
+    mine, store = part_of_points(sweep.members(), part), Store(out)
     simulate_points(mine, store, jobs=jobs, retry=retry, quiet=quiet, start=start)
-    table = store.table(members, sweep.varied)
+    table = store.table(mine, sweep.varied)  # of the others it would be n times the whole's reading
     about = f"{sweep.title}: {sweep.preset}; f_max and w scaled by l0 = 0.01 m, D in m"
-    write_table(out / "points.csv", table, [about])
+    write_table(out / table_name(part), table, [about])
     return table
+
+
+def table_name(part: tuple[int, int]) -> str:
+    """Return the name of the table of a part; the only part is the whole."""
+    number, parts = part
+    return "points.csv" if parts == 1 else f"points_{number}of{parts}.csv"
 
 
 def simulate_points(

@@ -207,16 +207,19 @@ def done(tmp_path_factory):
 
 def test_parts_fill_one_folder_and_nothing_is_computed_twice(done):
     chosen, out = done
-    states = pd.read_csv(out / "points.csv", comment="#")["state"].tolist()
-    assert states == ["done", "missing"]
+    assert pd.read_csv(out / "points_1of2.csv", comment="#")["state"].tolist() == ["done"]
+    assert not (out / "points.csv").exists()
     (first,) = out.glob("runs/*.nc")
     before = first.stat().st_mtime_ns
     table = run_sweep(chosen, out, jobs=1, quiet=True, part=(2, 2))
-    assert table["state"].tolist() == ["done", "done"]
+    assert table["state"].tolist() == ["done"]
     assert first.stat().st_mtime_ns == before
     never = Pretend(None)
     run_sweep(chosen, out, quiet=True, start=never)
     assert never.asked == []
+    table = pd.read_csv(out / "points.csv", comment="#")
+    assert table["pi1"].tolist() == [18, 24]
+    assert table["state"].tolist() == ["done", "done"]
 
 
 def test_what_a_point_gave_stands_beside_it(done):
