@@ -23,9 +23,9 @@ from sim.explicit import explicit
 from sim.kernels.compiled import CACHE
 from sim.observers import columns
 from sim.scene import Scene
+from sim.softness import obstacle
 from sim.state import build
 from sim.statics.newton import settle
-from sim.statics.settling import obstacle
 
 CHILD = (
     "import sys; sys.path[:] = {path!r}; from sim.compilation import compile_here; "

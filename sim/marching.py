@@ -13,6 +13,7 @@ from sim.kernels.contact import Contact, Friction
 from sim.kernels.march import Effects
 from sim.kernels.tine import Tines
 from sim.scene import Scene
+from sim.softness import soften, softness
 from sim.state import State, build
 
 Pairs = NDArray[np.int64]
@@ -47,6 +48,8 @@ class Marching:
     deep, tight : (m, 2) int64
         Pairs of elements on their way through each other, other rods and one rod bent, when the
         guards last looked.
+    soft : float
+        What the rigidities of stretch and shear are multiplied by, see `sim.softness`.
     """
 
     scene: Scene
@@ -61,6 +64,7 @@ class Marching:
     calm: int = 0
     deep: Pairs = field(default_factory=no_pairs)
     tight: Pairs = field(default_factory=no_pairs)
+    soft: float = 1.0
 
     @property
     def time(self) -> float:
@@ -134,8 +138,10 @@ def begin(scene: Scene, dt: float | None = None) -> Marching:
         The scene cannot be laid out, or asks for an unstable time step.
     """
     state = build(scene)
+    soft = softness(scene, state)
+    soften(state, soft)
     limit = timestep.stable_step(
         state, effects.stiffness(scene), effects.viscous(scene), effects.touch_viscous(scene)
     )
     step = timestep.choose_step(scene, limit) if dt is None else dt
-    return Marching(scene, state, effects.all_effects(scene, state, step), limit, step)
+    return Marching(scene, state, effects.all_effects(scene, state, step), limit, step, soft=soft)

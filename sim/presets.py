@@ -164,7 +164,8 @@ class Curl(Part):
 
     `curvature` [1/m] is the standard deviation of the intrinsic curvature (10 straight, 40 wavy,
     100 curly), correlated over `correlation` [m]; `spread` [m] the radius of the clamped bundle.
-    They hang `until` a `duration` of 1 s is over, or they are at rest, after 10 s at the latest.
+    They hang `until` they are at rest, after 10 s or a `duration` at the latest; given a `duration`
+    alone, until that is over.
     """
 
     n: Annotated[int, Field(ge=2)] = 12
@@ -179,7 +180,7 @@ class Curl(Part):
     friction: NotNegative = 0.0
     elements: Annotated[int, Field(ge=8)] = 60
     duration: Positive | None = None
-    until: Literal["duration", "rest"] = "duration"
+    until: Literal["duration", "rest"] | None = None
     snapshots: Annotated[int, Field(ge=1)] = 8
     forces: bool = False
     frames: bool = False
@@ -187,12 +188,13 @@ class Curl(Part):
 
     def scene(self) -> Scene:
         """Return the scene with these parameters."""
-        duration = self.duration or LONGEST[self.until]
+        until = self.until or ("duration" if self.duration else "rest")
+        duration = self.duration or LONGEST[until]
         return Scene(
             title=f"curl of {self.n} hairs",
             rods=[self._rod(root) for root in self._roots()],
             duration=duration,
-            until=self.until,
+            until=until,
             gravity=(0.0, 0.0, -9.81),
             # Hairs hardly press on each other: with soft contact, 1 N/m sinks in by r/75.
             contact=Contact(stiffness=1e-3 * self.E),

@@ -9,6 +9,7 @@ from sim.state import State
 
 Array = NDArray[np.float64]
 SHEAR, AXIAL, BENDING, SPRING = "shear rotation", "axial wave", "bending", "contact spring"
+TWIST = "twist wave"
 
 
 def stable_step(
@@ -23,7 +24,7 @@ def stable_step(
 
         1/dt^2 = alpha G/(rho r^2) + E/(rho l^2) + k/(rho A),
 
-    shear rotation, the shorter of axial and bending waves of the mesh, and a contact of line
+    shear rotation, the fastest wave of the mesh, axial, bending or twist, and a contact of line
     stiffness k on either side (all generalised to the inertia in use). Kelvin-Voigt damping of time
     T shortens it: with z = T/dt the damping of that mode, dt <- dt (sqrt(1 + z^2) - z). That of the
     contact with tines, of time T', adds T' dt k/(2 rho A) to z: an element between two of them.
@@ -58,17 +59,23 @@ def modes(state: State, stiffness: float | None = None) -> dict[str, Array]:
     # A clamp's spring is as short as half an element but stiffens one side only: measured, no worse
     # than an inner one (benchmarks/sim_stability.py).
     springs = np.where(state.row("INV_MASS") > 0, springs, 0.5 * springs)
+    twists = springs * np.divide(
+        state.row("TWIST"), state.row("BEND"), out=np.zeros(state.n), where=state.row("BEND") > 0
+    )
     return {
         SHEAR: state.row("SHEAR") * length * state.row("INV_J1") / 4,
         AXIAL: state.row("STRETCH") * inverse**2 / line_density,
         BENDING: 0.5 * (springs + np.roll(springs, -1)) * state.row("INV_J1"),
+        # Slower than the axial wave, unless that is slowed down (`sim.softness`).
+        TWIST: 0.5 * (twists + np.roll(twists, -1)) * state.row("INV_J3"),
         SPRING: (stiffness or 0.0) / line_density,
     }
 
 
 def together(parts: dict[str, Array]) -> Array:
-    """Return 1/dt^2 of all modes at once [1/s^2]: axial and bending waves exclude each other."""
-    return parts[SHEAR] + np.maximum(parts[AXIAL], parts[BENDING]) + parts[SPRING]
+    """Return 1/dt^2 of all modes at once [1/s^2]: the mesh's waves exclude each other."""
+    waves = np.maximum(np.maximum(parts[AXIAL], parts[BENDING]), parts[TWIST])
+    return parts[SHEAR] + waves + parts[SPRING]
 
 
 def damped(

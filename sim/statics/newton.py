@@ -1,21 +1,33 @@
-"""Newton's method for rods that hang at rest: steps, how far each may go, and when to stop."""
+"""Newton's method for rods that hang at rest: steps, how far each may go, and when to stop.
+
+A step solves (K + m M) p = net, K the stiffness, M the inertia of the march. With a large m [1/s^2]
+it is a step of the march's own fall under drag; m is raised where K has directions in which the
+energy curves downwards or the step led too far, lowered where it led well, and nothing at the end.
+"""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sparse
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.sparse.linalg import SuperLU, splu
 
+from sim import rest
 from sim.guards.passing import deep_pairs, newcomer
 from sim.marching import Marching
-from sim.statics.balance import Balance, to_lab, turned
+from sim.neighbours import rebuild
+from sim.statics.balance import Balance
+from sim.statics.stiffness import stiffness
 
 Array = NDArray[np.float64]
 
-STRAINED = 10.0  # by how much more the strain must be out of balance than the couples
-STEPS, HALVINGS = 80, 12
+STEPS, CUTS = 100, 12
+LEAST, MOST = 0.1, 0.7  # of a step that led too far, the next one tried
+SMALL = 0.3  # of what may be gone at once: a step that led less far was too bold
+GAIN, SLOW, LOSS = 4.0, 1.5, 3.0  # by how much m falls after good and cut steps, rises after bad
+SLIGHT = 1e-4  # of m's unit: less is nothing
 
 
 class Static(NamedTuple):
@@ -27,7 +39,7 @@ class Static(NamedTuple):
     rod: int
 
 
-def settle(march: Marching, tolerance: float, far: float = np.inf) -> Static:
+def settle(march: Marching, tolerance: float, far: float = np.inf, soft: float = 1.0) -> Static:
     """Bring the rods of a march to rest; leave them where they came to.
 
     Parameters
@@ -39,106 +51,93 @@ def settle(march: Marching, tolerance: float, far: float = np.inf) -> Static:
         Largest out-of-balance force on a node, over its weight (see `rest.scale`).
     far : float
         Give up where a node is farther than this from where it was [m].
+    soft : float
+        Its strains of stretch and shear belong to rigidities multiplied by this.
     """
     for name in ("V0", "V1", "V2", "W0", "W1", "W2"):
         march.state.row(name)[:] = 0.0
-    deep = deep_pairs(march)
-    balance = Balance(march)
-    step, good, before = 0, True, march.state.rows("X0 X1 X2")
-    while good and step < STEPS:
-        turning, pulling = balance.turning(), balance.pulling()
-        residual, worst = max((float(x.max()), int(np.argmax(x))) for x in (turning, pulling))
-        if residual <= tolerance:
+    rebuild(march)
+    deep, before = deep_pairs(march), march.state.rows("X0 X1 X2")
+    balance, pull = Balance(march, soft), Pull((rest.pace(march) / rest.longest(march)) ** 2)
+    step = 0
+    while (residual := float(rest.imbalance(march).max())) > tolerance and step < STEPS:
+        step += 1
+        if not _step(balance, pull):
             break
-        # Where strands press on each other the strain follows what is nearly in balance: sooner, a
-        # wrong force stretches the rod, which presses it deeper into its neighbour.
-        if march.contact is None or pulling.max() > STRAINED * turning.max():
-            balance.restrain()
-        step, good = step + 1, _step(balance)
-        moved = np.linalg.norm(march.state.rows("X0 X1 X2") - before, axis=0).max()
-        good = good and moved <= far
-    # Newton's method may come to rest on a maximum. In contact the march shows that: the stiffness
-    # leaves out how the planes between elements turn, and is not exact enough for its signs.
-    good = good and residual <= tolerance and (march.contact is not None or _solve(balance)[1])
-    through = march.contact is not None and newcomer(deep_pairs(march), deep) is not None
-    _leave(balance)
-    return Static(good and not through, step, residual, int(balance.rod[worst]))
+        rebuild(march)
+        if np.linalg.norm(march.state.rows("X0 X1 X2") - before, axis=0).max() > far:
+            break
+    found = Static(residual <= tolerance, step, residual, rest.worst(march))
+    if found.converged:
+        stable = factor(stiffness(balance), balance, 0.0)[1]
+        balance.evaluate()  # the rows that the differences have used
+        found = found._replace(converged=stable and newcomer(deep_pairs(march), deep) is None)
+    return found
 
 
-def _leave(balance: Balance) -> None:
-    """Leave in the rows what the march leaves there: inner forces and couples."""
-    state = balance.march.state
-    balance.evaluate(balance.frames)
-    inner = (balance.strain - [0, 0, 1]) * balance.stiffness
-    normal, shear = (
-        to_lab(balance.frames, inner),
-        balance.length[:, None] * np.cross(balance.strain, inner),
-    )
-    for axis in range(3):
-        state.row(f"N{axis}")[:] = np.where(balance.real, normal[:, axis], 0.0)
-        state.row(f"E{axis}")[:] = np.where(balance.real, shear[:, axis], 0.0)
+class Pull:
+    """m, by which steps are held back [1/s^2], in units of (pace/length)^2."""
+
+    def __init__(self, unit: float) -> None:
+        self.unit, self.now = unit, 0.0
+
+    def more(self, by: float) -> None:
+        """Hold steps back more."""
+        self.now = max(by * self.now, self.unit)
+
+    def less(self, by: float) -> None:
+        """Hold steps back less, and not at all below a slight part of the unit."""
+        self.now = self.now / by if self.now > SLIGHT * self.unit else 0.0
 
 
-def _step(balance: Balance) -> bool:
-    """Take one step; return whether it led nearer to rest."""
-    if not balance.contacts():
-        return False
-    frames, couple = balance.frames, balance.couple
-    turns, _ = _solve(balance)
-    share = balance.reach(turns)[np.maximum(balance.rod, 0)]
-    together = balance.march.contact is not None
-    for _ in range(HALVINGS):
-        step = share[:, None] * turns
-        balance.evaluate(turned(frames, step))
-        work = np.where(balance.real, ((couple + balance.couple) * step).sum(axis=1), 0.0)
-        gained = _by_rod(balance, work, together)
-        if (gained >= 0).all():
-            return True
-        share = np.where(gained[np.maximum(balance.rod, 0)] >= 0, share, 0.5 * share)
-    size = np.abs(couple).max()
-    return bool(np.abs(balance.couple).max() < size)
+def factor(matrix: sparse.csc_matrix, balance: Balance, pull: float) -> tuple[SuperLU, bool]:
+    """Return the factors of K + m M and whether it is positive definite.
 
-
-def _by_rod(balance: Balance, values: Array, together: bool) -> Array:
-    """Return the sum of values of elements over each rod, over all if they go together."""
-    found = np.bincount(
-        balance.rod[balance.real], values[balance.real], len(balance.march.scene.rods)
-    )
-    return np.full(len(found), found.sum()) if together else np.asarray(found, float)
-
-
-def _solve(balance: Balance) -> tuple[Array, bool]:
-    """Return the turns that Newton's method asks for, and whether the state is one of stability.
-
-    Where it is not, what lowers the energy's curvature is left out of it.
+    Without pivots off the diagonal the signs of U's are those of the eigenvalues (Sylvester).
     """
-    factor, shift = _factor(balance.tridiagonal())
-
-    def solved(values: Array) -> Array:
-        return np.asarray(cho_solve_banded((factor, False), values))
-
-    free, stiff, lever = solved(balance.couple.ravel()), balance.stiff, balance.lever
-    if len(stiff) == 0:
-        return free.reshape(-1, 3), shift == 0
-    arms = lever.reshape(len(stiff), -1)
-    bent = solved(arms.T)
-    give = arms @ bent
-    softer = np.count_nonzero(np.linalg.eigvalsh(np.diag(1 / stiff) + give) < 0)
-    stable = softer == np.count_nonzero(stiff < 0)
-    if not stable:
-        keep = stiff > 0
-        stiff, arms, bent, give = stiff[keep], arms[keep], bent[:, keep], give[keep][:, keep]
-    force = np.linalg.solve(np.diag(1 / stiff) + give, arms @ free)
-    return (free - bent @ force).reshape(-1, 3), stable and shift == 0
+    held = matrix + pull * sparse.diags_array(balance.inertia[balance.free])
+    found = splu(
+        sparse.csc_matrix(held), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )  # fmt: skip
+    symmetric = bool((found.perm_r == found.perm_c).all())
+    return found, symmetric and bool((found.U.diagonal() > 0).all())
 
 
-def _factor(band: Array) -> tuple[Array, float]:
-    """Return the Cholesky factor of a band, and by what part its diagonal was raised for it."""
-    shift = 0.0
-    while True:
-        try:
-            more = band.copy()
-            more[5] += shift * np.abs(band[5])
-            return cholesky_banded(more), shift
-        except np.linalg.LinAlgError:
-            shift = max(4 * shift, 1e-4)
+def _step(balance: Balance, pull: Pull) -> bool:
+    """Take one step down in energy; return whether there was one."""
+    matrix = stiffness(balance)
+    balance.evaluate()
+    factors, stable = factor(matrix, balance, pull.now)
+    while not stable:
+        pull.more(GAIN)
+        factors, stable = factor(matrix, balance, pull.now)
+    move = np.zeros_like(balance.net)
+    move[balance.free] = factors.solve(balance.net[balance.free])
+    whole = balance.reach(move)
+    taken = _search(balance, move, whole)
+    if (taken < SMALL * whole).any():
+        pull.more(LOSS)
+    else:
+        free = balance.march.contact is None
+        pull.less(GAIN if free or (taken == 1).all() else SLOW)
+    return bool((taken > 0).all())
+
+
+def _search(balance: Balance, move: Array, share: Array) -> Array:
+    """Go as far along a step as it leads down, rod by rod; return which parts of it.
+
+    The work of all forces along it, the loss of energy, must not be negative.
+    """
+    frames, strain = balance.frames, balance.strain
+    slope = balance.by_rod((balance.net * move).sum(axis=1))
+    residual = float(rest.imbalance(balance.march).max())
+    for _ in range(CUTS):
+        balance.step(frames, strain, move, balance.of_rod(share))
+        end = balance.by_rod((balance.net * move).sum(axis=1))
+        if (slope + end >= 0).all() or rest.imbalance(balance.march).max() < 0.5 * residual:
+            return share
+        cut = np.clip(slope / np.maximum(slope - end, 1e-300), LEAST, MOST)
+        share = np.where(slope + end >= 0, share, cut * share)
+    balance.put(frames, strain)
+    return np.zeros_like(share)

@@ -10,25 +10,14 @@ import numpy as np
 from sim import checkpoint, rest
 from sim.marching import Marching
 from sim.scene import Scene
+from sim.softness import obstacle, soften
 from sim.statics.newton import settle
 
-CALM = 0.01  # of `rest.pace`: fastest march that Newton's method is tried on
+CALM = 0.003  # of `rest.pace`: fastest march that Newton's method is tried on
 FAR = 0.02  # of the longest rod: more would be another branch than the march is on
 EVERY = 10  # windows between two tries
 FINE = 1e-6  # of a node's weight: what Newton's method reaches at no cost
 log = logging.getLogger("sim")
-
-
-def obstacle(scene: Scene) -> str | None:
-    """Return why Newton's method cannot find the rest of a scene, if it cannot."""
-    if scene.friction is not None or scene.tines or scene.planes:
-        return "friction, tines and planes"
-    for number, rod in enumerate(scene.rods):
-        if rod.root.hold != "clamped" or rod.root.motion or rod.root.slides:
-            return f"rods.{number}.root, which is not clamped in one place"
-        if rod.tip.hold != "free" or (rod.tip.load and rod.tip.load.through):
-            return f"rods.{number}.tip, which is held or pulled along a line"
-    return None
 
 
 def come_to_rest(march: Marching, window: int) -> str | None:
@@ -38,7 +27,7 @@ def come_to_rest(march: Marching, window: int) -> str | None:
     """
     if march.time < _busy(march.scene):
         return None
-    if rest.at_rest(march, march.scene.rest_tolerance):
+    if march.soft == 1.0 and rest.at_rest(march, march.scene.rest_tolerance):
         return f"the march, t = {march.time:.4g} s"
     if obstacle(march.scene) is not None:
         return None
@@ -61,10 +50,14 @@ def _finish(march: Marching) -> str | None:
     """Settle by Newton's method, or leave the march as it was."""
     mark = checkpoint.mark(march)
     far = np.inf if march.contact is None else FAR * rest.longest(march)
-    found = settle(march, min(march.scene.rest_tolerance, FINE), far)
+    by, march.soft = march.soft, 1.0
+    soften(march.state, 1 / by)
+    found = settle(march, min(march.scene.rest_tolerance, FINE), far, by)
     if found.converged:
         return f"Newton's method from t = {march.time:.4g} s, {found.steps} steps"
     checkpoint.thaw(march, mark)
+    march.soft = by
+    soften(march.state, by)
     log.info(
         "not at rest yet at t = %.4g s: %d steps of Newton's method led to a net force of "
         "%.2g node weights on rod %d", march.time, found.steps, found.residual, found.rod,

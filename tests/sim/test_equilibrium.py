@@ -8,10 +8,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import sim
+from sim.checkpoint import ROWS
 from sim.explicit import explicit
-from sim.kernels.contact import contact_forces
-from sim.kernels.rod import clear_loads
-from sim.kernels.stiffness import pair_stiffness, touching_pairs
 from sim.neighbours import rebuild
 from sim.rest import imbalance
 from sim.scene import (
@@ -27,8 +25,11 @@ from sim.scene import (
     Scene,
     Straight,
 )
-from sim.state import rigidities
-from sim.statics.newton import settle
+from sim.softness import soften, softness
+from sim.state import build, rigidities
+from sim.statics.balance import Balance
+from sim.statics.newton import factor, settle
+from sim.statics.stiffness import close_pairs, stiffness
 
 HAIR = Material(E=1e9, nu=0.4, density=1300)
 R, LENGTH, G = 7.5e-5, 0.1, 9.81
@@ -122,13 +123,7 @@ def test_the_shapes_of_one_hair_converge_over_meshes():
 def leaning(**more):
     """Three curly hairs that come into each other's way."""
     rods = [curly(12, root=(x, 0, 0)) for x in (0, 4 * R, 8 * R)]
-    return scene(*rods, contact=Contact(stiffness=1e6), seed=2, **more)
-
-
-def touching(march):
-    pairs = np.zeros_like(march.contact.pairs)
-    count = touching_pairs(march.state.buf, march.contact, np.zeros(12), pairs)
-    return np.ascontiguousarray(pairs[:, :count])
+    return scene(*rods, **{"contact": Contact(stiffness=1e6), "seed": 2} | more)
 
 
 @pytest.fixture(scope="module")
@@ -142,40 +137,67 @@ def leant():
 
 
 def test_strands_in_contact_stay_where_newton_leaves_them(leant):
-    assert touching(leant).shape[1] > 0
+    assert len(close_pairs(Balance(leant))) > 0
     before = leant.state.strands()
     assert imbalance(leant).max() <= 1e-7
     leant.advance(round(0.1 / leant.dt))
     assert apart(before, leant.state.strands()) < 1e-7
 
 
-def test_contact_stiffness_is_the_derivative_of_the_contact_force(leant):
-    rebuild(leant)
-    state, contact = leant.state, leant.contact
-    clear_loads(state.buf, state.n)
-    contact_forces(state.buf, state.n, 0.0, contact, None)
-    pairs = touching(leant)
-    blocks = np.zeros((pairs.shape[1], 12, 12))
-    pair_stiffness(state.buf, contact, pairs, 1e-5 * R, np.zeros((2, 12)), blocks)
-    size = np.abs(blocks).max()
-    # The planes between elements move with the nodes, which the blocks leave out.
-    assert np.abs(blocks - blocks.transpose(0, 2, 1)).max() < 0.05 * size
-    whole = np.zeros((state.n, 3, 3))  # of every node with itself
-    for k, (a, b) in enumerate(pairs.T):
-        for corner, node in enumerate((a, a + 1, b, b + 1)):
-            at = slice(3 * corner, 3 * corner + 3)
-            whole[node] += blocks[k, at, at]
-    node, step = int(np.argmax(np.abs(whole).max(axis=(1, 2)))), 1e-5 * R
-    for axis in range(3):
-        forces = []
-        for side in (1, -1):
-            state.row(f"X{axis}")[node] += side * step
-            clear_loads(state.buf, state.n)
-            contact_forces(state.buf, state.n, 0.0, contact, None)
-            forces.append(state.rows("F0 F1 F2")[:, node])
-            state.row(f"X{axis}")[node] -= side * step
-        found = (forces[1] - forces[0]) / (2 * step)
-        np.testing.assert_allclose(found, whole[node][:, axis], atol=0.05 * size)
+def test_the_stiffness_is_the_derivative_of_all_forces_also_in_contact(leant):
+    balance = Balance(leant)
+    matrix = stiffness(balance)
+    balance.evaluate()
+    frames, strain = balance.frames, balance.strain
+    rng, whole = np.random.default_rng(1), np.ones(len(balance.real))
+    for only in (slice(0, 3), slice(3, 6), slice(0, 6)):
+        move = np.zeros_like(balance.net)
+        move[:, only] = rng.standard_normal(move[:, only].shape)
+        move[:, :3] *= 1e-3 * R
+        move = np.where(balance.free, move, 0.0)
+        nets = []
+        for size in (1e-5, -1e-5):
+            balance.step(frames, strain, size * move, whole)
+            nets.append(balance.net)
+        slope = ((nets[1] - nets[0]) / 2e-5)[balance.free]
+        expected = matrix @ move[balance.free]
+        assert np.abs(slope - expected).max() < 1e-4 * np.abs(expected).max()
+    balance.put(frames, strain)
+
+
+def test_rest_in_contact_is_a_minimum_and_a_hair_through_its_neighbour_would_not_be(leant):
+    balance = Balance(leant)
+    matrix = stiffness(balance)
+    assert factor(matrix, balance, 0.0)[1]
+    lowest = np.linalg.eigvalsh(matrix.toarray())[0]
+    assert lowest > 0
+    assert not factor(matrix, balance, -2 * lowest / balance.inertia[balance.free].min())[1]
+
+
+def test_rods_are_marched_softer_to_rest_and_rest_as_they_are():
+    of, march = leaning(), explicit(leaning())
+    assert softness(of, build(of)) == 1.0  # a march for its own sake
+    marched = explicit(of.model_copy(update={"until": "rest"}))
+    assert marched.soft == pytest.approx(0.01)
+    assert marched.dt > 1.2 * march.dt
+    marched.advance(round(1.2 / marched.dt))
+    by, marched.soft = marched.soft, 1.0
+    soften(marched.state, 1 / by)
+    assert settle(marched, 1e-7, soft=by).converged
+    for name in ROWS.split():
+        march.state.row(name)[:] = marched.state.row(name)
+    rebuild(march)
+    march.advance(round(0.1 / march.dt))
+    assert apart(march.state.strands(), marched.state.strands()) < 1e-7
+
+
+def test_a_curl_is_at_rest_unless_a_duration_is_asked_for():
+    run = sim.simulate(sim.curl(n=3, elements=12, length=0.1, snapshots=2))
+    assert run.unrest() == ""
+    assert float(run.data["snapshot_imbalance"][-1]) <= 1e-6
+    timed = sim.curl(n=3, duration=0.5)
+    assert (timed.until, timed.duration) == ("duration", 0.5)
+    assert sim.curl(n=3, duration=0.5, until="rest").until == "rest"
 
 
 def test_equilibrium_of_strands_in_contact_says_how_it_was_found():
