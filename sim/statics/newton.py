@@ -27,7 +27,8 @@ STEPS, CUTS = 100, 12
 LEAST, MOST = 0.1, 0.7  # of a step that led too far, the next one tried
 SMALL = 0.3  # of what may be gone at once: a step that led less far was too bold
 GAIN, SLOW, LOSS = 4.0, 1.5, 3.0  # by how much m falls after good and cut steps, rises after bad
-SLIGHT = 1e-4  # of m's unit: less is nothing
+SLIGHT, HOPELESS = 1e-4, 1e15  # of m's unit: less is nothing, more does not help
+ROUNDS, PUSH = 30, 0.02  # of inverse iteration; rad, by how much rods leave a saddle
 
 
 class Static(NamedTuple):
@@ -58,28 +59,26 @@ def settle(march: Marching, tolerance: float, far: float = np.inf, soft: float =
         march.state.row(name)[:] = 0.0
     rebuild(march)
     deep, before = deep_pairs(march), march.state.rows("X0 X1 X2")
-    balance, pull = Balance(march, soft), Pull((rest.pace(march) / rest.longest(march)) ** 2)
-    step = 0
-    while (residual := float(rest.imbalance(march).max())) > tolerance and step < STEPS:
-        step += 1
-        if not _step(balance, pull):
+    balance, pull = Balance(march, soft), Pull()
+    step, stable, residual = 0, False, np.inf
+    while step < STEPS:
+        residual = float(rest.imbalance(march).max())
+        if residual <= tolerance:
+            stable = _leave_saddle(balance, pull)
+        if stable or not (residual <= tolerance or _step(balance, pull)):
             break
+        step += 1
         rebuild(march)
         if np.linalg.norm(march.state.rows("X0 X1 X2") - before, axis=0).max() > far:
             break
-    found = Static(residual <= tolerance, step, residual, rest.worst(march))
-    if found.converged:
-        stable = factor(stiffness(balance), balance, 0.0)[1]
-        balance.evaluate()  # the rows that the differences have used
-        found = found._replace(converged=stable and newcomer(deep_pairs(march), deep) is None)
-    return found
+    through = newcomer(deep_pairs(march), deep) is not None
+    return Static(stable and not through, step, residual, rest.worst(march))
 
 
 class Pull:
     """m, by which steps are held back [1/s^2], in units of (pace/length)^2."""
 
-    def __init__(self, unit: float) -> None:
-        self.unit, self.now = unit, 0.0
+    unit, now = 1.0, 0.0
 
     def more(self, by: float) -> None:
         """Hold steps back more."""
@@ -104,14 +103,46 @@ def factor(matrix: sparse.csc_matrix, balance: Balance, pull: float) -> tuple[Su
     return found, symmetric and bool((found.U.diagonal() > 0).all())
 
 
-def _step(balance: Balance, pull: Pull) -> bool:
-    """Take one step down in energy; return whether there was one."""
+def _held_back(balance: Balance, pull: Pull) -> tuple[SuperLU, bool]:
+    """Return the factors of K + m M, and whether some m makes it positive definite."""
     matrix = stiffness(balance)
-    balance.evaluate()
+    balance.evaluate()  # the rows that the differences have used
+    march = balance.march
+    pull.unit = (rest.pace(march) / rest.longest(march)) ** 2  # without gravity known from loads
     factors, stable = factor(matrix, balance, pull.now)
-    while not stable:
+    while not stable and pull.now < HOPELESS * pull.unit:
         pull.more(GAIN)
         factors, stable = factor(matrix, balance, pull.now)
+    return factors, stable
+
+
+def _leave_saddle(balance: Balance, pull: Pull) -> bool:
+    """Tell whether rods in balance are at a minimum of energy; push them off where they are not.
+
+    Along the direction in which the energy falls fastest, by inverse iteration; of its two signs
+    one is taken, always the same.
+    """
+    pull.now = 0.0
+    factors, _ = _held_back(balance, pull)
+    if pull.now == 0.0:
+        return True
+    free, heavy = balance.free, balance.inertia[balance.free]
+    along = np.random.default_rng(0).standard_normal(len(heavy))
+    for _ in range(ROUNDS):
+        along = factors.solve(heavy * along)
+        along /= np.abs(along).max()
+    push = np.zeros_like(balance.net)
+    push[free] = along * PUSH / np.abs(along[np.nonzero(free)[1] >= 3]).max()
+    share = balance.of_rod(balance.reach(push))
+    balance.step(balance.frames, balance.strain, push, share)
+    return False
+
+
+def _step(balance: Balance, pull: Pull) -> bool:
+    """Take one step down in energy; return whether there was one."""
+    factors, stable = _held_back(balance, pull)
+    if not stable:
+        return False
     move = np.zeros_like(balance.net)
     move[balance.free] = factors.solve(balance.net[balance.free])
     whole = balance.reach(move)
