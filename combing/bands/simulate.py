@@ -1,7 +1,10 @@
 """Simulate a scene with what its bands need, on all cores, and keep the bands with the run."""
 
 import logging
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
 
 import sim
 from combing.bands.bands import Bands, make_bands
@@ -11,6 +14,7 @@ from combing.ensemble import IMPERFECTION
 from combing.errors import UserError
 from combing.runs import refuse_to_replace, trying
 
+Key = TypeVar("Key")
 MEMBERS = 5
 FEWEST = 2  # from which a spread is known at all
 log = logging.getLogger("combing")
@@ -66,14 +70,50 @@ def simulate_with_bands(
     scenes = scenes_of_bands(scene, members, size)
     with trying(scenes, path.parent / "runs", jobs=jobs, quiet=quiet) as wait:
         outcomes = wait()
-    runs = {key: run for key, run in outcomes.items() if isinstance(run, sim.Run)}
-    failed = {key: error for key, error in outcomes.items() if isinstance(error, Exception)}
-    if 0 in failed or len([key for key in runs if key > 0]) < FEWEST:
-        raise next(iter(failed.values()))
-    found = with_bands(runs[0], _noted(make_bands(runs, size), failed, -1 in scenes))
+    found = _banded(outcomes, size)
+    if isinstance(found, Exception):
+        raise found
     del found.data.attrs["path"]
     found.save(path)
     return sim.open_run(path)
+
+
+@contextmanager
+def simulating_with_bands(
+    scenes: Mapping[Key, sim.Scene],
+    folder: Path,
+    banded: Collection[Key],
+    *,
+    jobs: int | None = None,
+    quiet: bool = False,
+) -> Iterator[Callable[[], dict[Key, sim.Run | Exception]]]:
+    """As `combing.runs.trying`; the runs of those keys that are `banded` carry their bands."""
+    parts = {
+        key: scenes_of_bands(scene, MEMBERS, IMPERFECTION) if key in banded else {0: scene}
+        for key, scene in scenes.items()
+    }
+    every = {(key, k): scene for key, part in parts.items() for k, scene in part.items()}
+    with trying(every, folder, jobs=jobs, quiet=quiet) as wait:
+
+        def finished() -> dict[Key, sim.Run | Exception]:
+            found = wait()
+            return {
+                key: _banded({k: found[key, k] for k in part}, IMPERFECTION)
+                if key in banded
+                else found[key, 0]
+                for key, part in parts.items()
+            }
+
+        yield finished
+
+
+def _banded(outcomes: Mapping[int, sim.Run | Exception], size: float) -> sim.Run | Exception:
+    """Return run 0 with the bands that the others give, or why there are none."""
+    runs = {key: run for key, run in outcomes.items() if isinstance(run, sim.Run)}
+    failed = {key: error for key, error in outcomes.items() if isinstance(error, Exception)}
+    if 0 in failed or len([key for key in runs if key > 0]) < FEWEST:
+        return next(iter(failed.values()))
+    return with_bands(runs[0], _noted(make_bands(runs, size), failed, -1 in outcomes))
 
 
 def _noted(bands: Bands, failed: dict[int, Exception], has_coarse: bool) -> Bands:

@@ -13,12 +13,12 @@ import pandas as pd
 from tqdm import tqdm
 
 import sim
+from combing.bands import simulating_with_bands
 from combing.compare.comparison import Comparison, Findings, all_errors, joined
 from combing.compare.holdings import holdings, overlooked, shared, spoken
 from combing.compare.jobs import Job, all_jobs, label
 from combing.compare.pages import write_pages
 from combing.errors import UserError, is_users_fault
-from combing.runs import trying
 from combing.study import Study
 
 T = TypeVar("T")
@@ -72,7 +72,9 @@ def compare(study: Study, out: Path, *, jobs: int | None = None, quiet: bool = F
         known = scenes | {path: run.scene for path, run in runs.items()}
         bench = _Bench(all_jobs(study, known))
         wanted = {key: scene for key, scene in bench.scenes.items() if key not in runs}
-        with trying(wanted, out / "runs", jobs=jobs, quiet=quiet) as wait:
+        banded = study.simulations if study.error_bars else ()
+        folder = out / "runs"
+        with simulating_with_bands(wanted, folder, banded, jobs=jobs, quiet=quiet) as wait:
             bench.measure(quiet)
             found = bench.compare(runs | wait(), [*overlooked(study), *shared(study)])
         return Result(_write(study, found, out), found.comparisons, found.left_out)

@@ -8,6 +8,7 @@ import pandas as pd
 
 import instron
 import sim
+from combing.bands import read_bands
 from combing.compare.comparison import Comparison, error_row, says_synthetic
 from combing.errors import UserError
 from combing.metrics import compare_curves
@@ -55,9 +56,7 @@ def compare_force(
     ]
     if chosen.simulation is not None:
         simulated = scale_run(runs[chosen.simulation], rig)
-        parts.append(
-            _rows(chosen.name, "simulation", "run", GRID, instron.on_grid(simulated, GRID))
-        )
+        parts.append(_simulated(chosen.name, runs[chosen.simulation], simulated))
         numbers.append(_facts(chosen.name, "simulation", simulated))
         notes += [f"{chosen.name}, simulation: {said}" for said in simulated.attrs["warnings"]]
         apart = _distances(chosen.name, curves, simulated)
@@ -127,6 +126,16 @@ def _rows(
         {"set": name, "source": source, "curve": curve, "x": x, "f": f}
         | {"low": f - spread, "high": f + spread}
     )
+
+
+def _simulated(name: str, run: sim.Run, curve: pd.DataFrame) -> pd.DataFrame:
+    """Return the simulation's curve, with the band that its run was stored with, if any."""
+    rows = _rows(name, "simulation", "run", GRID, instron.on_grid(curve, GRID))
+    if (bands := read_bands(run)) is None:
+        return rows
+    x = bands.force["x"]
+    ends = {end: np.interp(GRID, x, bands.force[end]) for end in ("low", "high")}
+    return rows.assign(**ends)
 
 
 def _label(curve: pd.DataFrame) -> str:

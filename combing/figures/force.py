@@ -54,6 +54,9 @@ def draw_source(panel: Axes, rows: pd.DataFrame, source: str) -> None:
         panel.plot(one["x"], one["f"], color=EXPERIMENT, lw=0.9, label="experiment, one repeat")
     run = _curve(rows, "simulation", "run")
     if source == "simulation" and len(run):
+        if run["low"].notna().any():
+            panel.fill_between(run["x"], run["low"], run["high"], color=SIMULATION, alpha=0.2, lw=0,
+                               label="simulation, 95 % band")  # fmt: skip
         panel.plot(run["x"], run["f"], color=SIMULATION, label="simulation")
 
 

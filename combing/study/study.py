@@ -20,6 +20,9 @@ class Study(Table):
         Heading of the report.
     n_sec : int
         Sections a curl is cut into when its interactions are counted.
+    error_bars : bool
+        Whether scenes that force, link and curl sets name are simulated with what 95 % bands need
+        (`combing.bands`): seven runs for one. Sweeps are ensembles anyway.
     force, link, curl : list
         The comparisons, each a panel of its figure.
     sweep : list
@@ -28,6 +31,7 @@ class Study(Table):
 
     title: str
     n_sec: PositiveInt = 20
+    error_bars: bool = False
     force: list[ForceSet] = Field(default_factory=list)
     sweep: list[SweepSet] = Field(default_factory=list)
     link: list[LinkSet] = Field(default_factory=list)

@@ -1,11 +1,13 @@
 """Error bars of simulations: against closed forms and draws, and kept with their run."""
 
 import json
+import shutil
 
 import numpy as np
 import pandas as pd
 import pytest
 
+import instron
 import sim
 from combing.accuracy.cantilever import Cantilever
 from combing.bands import Bands, read_bands, simulate_with_bands
@@ -15,10 +17,13 @@ from combing.bands.quantities import Quantities
 from combing.bands.scenes import RATIO, coarser, scenes_of_bands
 from combing.bands.store import with_bands
 from combing.cli import main
+from combing.compare.bench import compare
 from combing.ensemble import perturbed
 from combing.errors import UserError
+from combing.figures.force import draw_force
 from combing.figures.run import draw_run
 from combing.runs import simulating
+from combing.study.load import load_study
 
 BRIEF = {"pi1": 18, "turns": 3, "q": 2, "speed": 0.5, "snapshots": 4, "elements_per_pitch": 6}
 
@@ -221,3 +226,29 @@ def test_bands_hold_fine_references_and_members_that_they_have_not_seen(tmp_path
     error = np.abs(found["fine"].force(before["d"].to_numpy()) - before["value"])
     assert (error <= before["mesh"]).mean() > 0.9
     assert error.max() > before["mesh"].max() / 6
+
+
+def test_a_study_with_error_bars_draws_them(tmp_path, monkeypatch, banded):
+    """The runs of the fixture are those that the study asks for: nothing is simulated anew."""
+    run, folder = banded
+    monkeypatch.setattr("combing.bands.simulate.MEMBERS", 3)
+    shutil.copytree(folder / "runs", tmp_path / "out" / "runs")
+    lines = [f"{key} = {json.dumps(value)}" for key, value in BRIEF.items()]
+    (tmp_path / "scene.toml").write_text("\n".join(['preset = "double_helix"', *lines]))
+    log = run.force_log()
+    instron.write_bluehill(tmp_path / "log.csv", log, {"Origin": "synthetic"}, decimals=9)
+    helix = run.scene.rods[0]
+    (tmp_path / "rig.toml").write_text(f"r = {helix.radius}\nE = {helix.material.E}\n")
+    (tmp_path / "study.toml").write_text(
+        'title = "bars"\nerror_bars = true\n[[force]]\nname = "a"\nlogs = "log.csv"\n'
+        'rig = "rig.toml"\nsimulation = "scene.toml"\n'
+    )
+    found = compare(load_study(tmp_path / "study.toml"), tmp_path / "out", quiet=True)
+    plotted = found.comparisons["force"].plotted
+    drawn = plotted[(plotted["source"] == "simulation") & (plotted["curve"] == "run")]
+    bands = read_bands(run).force
+    for end in ("low", "high"):
+        np.testing.assert_allclose(drawn[end], np.interp(drawn["x"], bands["x"], bands[end]))
+    labels = draw_force(plotted, synthetic=True).legends[0].get_texts()
+    assert "simulation, 95 % band" in [text.get_text() for text in labels]
+    assert len(list((tmp_path / "out" / "runs").iterdir())) == 5
