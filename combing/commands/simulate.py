@@ -75,7 +75,7 @@ def command(
                     q (pitches below the tine), friction, speed, insertion, E, nu, density,
                     elements_per_pitch, imperfection, samples_per_pitch,
                     snapshots, seed, forces, frames
-      curl          n hairs that hang and relax, no tine (until = rest: to the end):
+      curl          n hairs that hang until they rest, or a duration, no tine:
                     n, length, r, curvature, correlation, spread, friction,
                     E, nu, density, elements, duration, until, snapshots, seed,
                     forces, frames
