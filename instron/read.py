@@ -278,6 +278,7 @@ def _table(
         odd[int(lines[-1])] = LOST
         table = table.iloc[:kept]
     table.attrs = _provenance(source, body, number, delimiter, written)
+    notes += ["a single row"] * (len(table) == 1)
     notes += found + milliseconds(table, table.attrs["metadata"])
     table.attrs["warnings"] = notes
     table.attrs["lost_rows"] = _lost_rows(notes)

@@ -351,7 +351,9 @@ def _refuse_damaged(source: Source, number: int, cells: list[str], used: list[in
 
 
 def _is_like(cells: list[str], row: list[str]) -> bool:
-    """Tell whether a line holds about as many cells and numbers as a row."""
+    """Tell whether a line holds about as many cells and numbers as a row, or begins like one."""
+    if looks_numeric(cells[0]) and looks_numeric(row[0]) and any(cells[1:]):
+        return True
     numbers, usual = (sum(map(looks_numeric, line)) for line in (cells, row))
     return 2 * numbers > usual > 1 and abs(len(cells) - len(row)) < 2
 
