@@ -8,6 +8,9 @@ STRETCH = 0.05  # of the rows: what is looked at at a time where no quiet end is
 FEWEST = 24  # rows that a noise can be told from
 ALIKE = 1.3  # stretches up to this multiple of the quietest one's sd are noise alone
 SLOW, SLOWER = 0.85, 3.0  # share of the sd that averaging leaves of noise as slow as the length
+LENGTHS = 4.0  # averaging lengths in which swings are seen
+EVEN = 1.5  # times that they go further one way than the other
+SMALL = 0.25  # of the peak
 FAR = 5.0  # sd at which a touch of the free tine is cut off
 
 
@@ -71,6 +74,36 @@ def of_free_end(F: np.ndarray, rows: float) -> Noise | None:
     inside = np.abs(rest) < 0.8 * limit  # a touch moves the line a little
     rest = np.where(inside, rest, 0.0) / np.sqrt(max(inside.mean(), 0.5))
     return _noise(rest[None, :], 2, rows, digit, f"{len(F)} rows after combing")
+
+
+def swings(F: np.ndarray, smooth: np.ndarray, rows: float) -> tuple[int, Noise] | None:
+    """Return from which row on the rest of a record swings about a level, and that as noise.
+
+    Noise as slow as the averaging length may be taken for combing to the end of the log: what is
+    left after that is too short to show it. Combing pushes one way, noise goes both ways: the rest
+    after the highest force is noise if it leaves its median as far upwards as downwards, crosses
+    it, is as lively in its last third, and small beside the peak.
+
+    Parameters
+    ----------
+    F, smooth
+        Readings, and their average over ``rows`` rows, positive where they resist [N].
+    """
+    top = int(np.argmax(smooth))
+    least = int(LENGTHS * rows)
+    for first in range(top + int(rows), len(F) - least, max(1, int(rows / 4))):
+        tail = smooth[first:]
+        away = tail - np.median(tail)
+        up, down = float(away.max()), float(-away.min())
+        if max(up, down) > min(EVEN * min(up, down), SMALL * float(smooth[top] - np.median(tail))):
+            continue
+        crossings = np.count_nonzero(np.diff(np.sign(away)) != 0)
+        if crossings < 3 or np.ptp(away[-len(away) // 3 :]) < (up + down) / 2:
+            continue
+        noise = of_free_end(F[first:], rows)
+        if noise is not None and noise.averaged > SLOW * noise.sd:
+            return first, noise
+    return None
 
 
 def last_digit(F: np.ndarray) -> float:

@@ -1,6 +1,6 @@
 """From a force log to the scaled curve f(x): stroke, zero, noise, end of combing, highest force."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -8,7 +8,7 @@ import pandas as pd
 from instron.errors import Unscalable
 from instron.scaling.average import Profile, profile
 from instron.scaling.ends import End, find_end
-from instron.scaling.noise import SLOW, Noise, last_digit, of_free_end, quietest
+from instron.scaling.noise import SLOW, Noise, last_digit, of_free_end, quietest, swings
 from instron.scaling.peak import Peak, highest
 from instron.scaling.rig import Rig
 from instron.scaling.strokes import name_of, strokes
@@ -90,6 +90,7 @@ class _Stroke:
     zero: Zero
     noise: Noise
     end: End
+    doubt: Noise  # what noise may be, if slower than it seems
 
 
 def _scale_stroke(log: pd.DataFrame, rig: Rig) -> pd.DataFrame:
@@ -139,7 +140,29 @@ def _measure(log: pd.DataFrame, rig: Rig) -> _Stroke:
         if free is None or free == noise:
             break
         noise, after = free, int(beyond.sum())
-    return _Stroke(travel, d, F, averaged, profile(travel, F), length, step, zero, noise, end)
+    end, doubt = _swinging(d, F, averaged, length, step, noise, end)
+    return _Stroke(
+        travel, d, F, averaged, profile(travel, F), length, step, zero, noise, end, doubt
+    )
+
+
+def _swinging(
+    d: np.ndarray,
+    F: np.ndarray,
+    smooth: np.ndarray,
+    length: float,
+    step: float,
+    noise: Noise,
+    end: End,
+) -> tuple[End, Noise]:
+    """Return an end whose interval holds that slow noise was taken for combing, and that noise."""
+    found = swings(F, smooth, length / step)
+    if found is None or found[1].averaged < noise.averaged:
+        return end, noise
+    first, swinging = found
+    if not end.ended or d[first] >= end.D:
+        return end, swinging
+    return replace(end, low=min(end.low, float(d[first]) - length)), swinging
 
 
 def _asked(log: pd.DataFrame, rig: Rig) -> float:
@@ -160,9 +183,9 @@ def _peak(stroke: _Stroke) -> tuple[Peak, float]:
         # The median of coloured noise: as that of independent averages over the length.
         unsure = 1.25 * noise.averaged * (stroke.length / stroke.step / zero.rows) ** 0.5
     unsure = float(np.hypot(unsure, zero.drift))
-    return highest(F, noise.averaged, noise.freedom, unsure), float(
-        np.interp(places[top], stroke.travel, stroke.d)
-    )
+    place = float(np.interp(places[top], stroke.travel, stroke.d))
+    peak, wide = (highest(F, n.averaged, n.freedom, unsure) for n in (noise, stroke.doubt))
+    return Peak(peak.F, min(peak.low, wide.low), max(peak.high, wide.high)), place
 
 
 def _toe(d: np.ndarray, smooth: np.ndarray, log: pd.DataFrame) -> float:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from instron import Rig, scale
-from instron.scaling.noise import last_digit, of_free_end
-from instron.virtual import NOISES, STROKE, combing, hump, jams, white
+from instron.scaling.noise import last_digit, of_free_end, swings
+from instron.virtual import NOISES, STROKE, combing, filtered, hump, jams, release, teeth, white
 
 RIG = Rig(r=4.25e-4, E=2.8e9)
 ROWS = 6000
@@ -54,3 +54,31 @@ def test_a_touch_of_the_free_tine_is_no_noise():
 
 def test_few_rows_tell_nothing():
     assert of_free_end(np.zeros(10), 5) is None
+
+
+def slow(n, rng):
+    """Return noise whose swings are twice as long as what is averaged over."""
+    return filtered(n, rng, 0.0167)
+
+
+@pytest.mark.parametrize(
+    ("shape", "seed"), [(jams, 37), (jams, 61), (jams, 121), (jams, 175), (release, 183)]
+)
+def test_slow_noise_that_is_taken_for_combing_is_in_the_intervals(shape, seed):
+    found = scale(combing(shape, 1500, height=0.5, sd=0.02, noise=slow, rng=seed), RIG).attrs
+    d = np.linspace(0, STROKE, 20_001)
+    end = d[np.flatnonzero(0.02 * shape(d).max() < shape(d))[-1]]
+    assert found["D"] > 1.1 * end
+    assert found["D_low"] <= end
+    assert found["f_max_high"] - found["f_max_low"] > 0.06 * found["f_max"]  # were 0.002 to 0.03
+
+
+def test_force_that_goes_one_way_or_stops_is_no_swing():
+    d = np.linspace(0, STROKE, 1500)
+    ripple = np.sin(2 * np.pi * d / 2.5e-3)
+    for F in (d / STROKE * (1 + 0.3 * ripple), teeth(d), hump(d)):
+        assert swings(F, F, 32.0) is None
+    swinging = hump(d) + 0.03 * ripple
+    found = swings(swinging, swinging, 32.0)
+    assert found is not None
+    assert found[1].sd == pytest.approx(0.03 / np.sqrt(2), rel=0.15)
