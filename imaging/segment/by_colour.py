@@ -24,6 +24,7 @@ from imaging.segment.coverage import (
     depth_of,
     places_around,
     shared_out,
+    single_width,
     strip_width,
     summit,
     typical_width,
@@ -40,6 +41,7 @@ RASTER = 20.0  # Lab units; no sensor's noise, but dots of black and white
 BORDER = 0.5  # change of (L, a, b)/(L + 16), summed, that tells two strands from shading
 DEEPER = 1.25  # times the depth of a single strand; the border of two that touch lies deeper
 BLOCK = 3.0  # strand widths; a patch of one colour this wide is no strand
+BUNDLE = 8.0  # the same, where all strands have one colour: a dozen may lie side by side
 JUST_NOTICED = 2.0  # Lab units; a smaller change of colour says nothing
 
 
@@ -90,9 +92,12 @@ def _labelled(
     if len(bodies) < len(colours):
         labels, colours, depth = matt, bodies, depth_in_colour(matt)
         width = typical_width(depth)
-    blocks = _blocks(labels, depth, width)
+    alone = len(colours) == 1
+    blocks = _blocks(labels, depth, width, BUNDLE if alone else BLOCK)
     labels[blocks] = 0
-    width = strip_width(depth[labels > 0])
+    width = (
+        single_width(np.where(labels > 0, depth, 0)) if alone else strip_width(depth[labels > 0])
+    )
     labels, colours = _with_enough(labels, colours, width)
     return labels, colours, width, blocks
 
@@ -178,12 +183,12 @@ def _hue(lab: np.ndarray) -> np.ndarray:
     return lab / (lab[..., :1] + 16)
 
 
-def _blocks(labels: np.ndarray, depth: np.ndarray, width: float) -> np.ndarray:
-    """Patches of one colour wider than strands are: a clamp, a card, a finger."""
-    core = depth > 0.5 * BLOCK * width + 1
+def _blocks(labels: np.ndarray, depth: np.ndarray, width: float, most: float) -> np.ndarray:
+    """Patches of one colour wider than so many strands: a clamp, a card, a finger."""
+    core = depth > 0.5 * most * width + 1
     if not core.any():
         return core
-    return (labels > 0) & (depth_of(~core) <= 0.5 * BLOCK * width + 3)
+    return (labels > 0) & (depth_of(~core) <= 0.5 * most * width + 3)
 
 
 def _with_enough(

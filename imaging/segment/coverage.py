@@ -21,6 +21,7 @@ LEVEL = 0.4  # of the median contrast around ridges; between the ground's and th
 FAINT = 0.25  # of the strands' contrast; fainter is shadow, reflection or texture
 SPARSE = 2**24  # pixels of all colours; from there on memory is saved, below it time
 MIN_LENGTH = 5.0  # strand widths; a shorter blob is dirt
+BUNDLED = 0.85  # of the width of all, of single strands; where they are less, many lie in bundles
 NO_STRAND = (
     "what stands out from the background is no strand: it is not long or not of one colour; "
     "photograph strands of distinct colours on a plain surface"
@@ -129,6 +130,26 @@ def strip_width(depth: np.ndarray) -> float:
     if len(inside) == 0:
         return 1.5
     return max(3 * float((inside**2).sum() / inside.sum()), 1.5)
+
+
+def single_width(depth: np.ndarray) -> float:
+    """Width of single strands where those of one colour lie side by side: what is broader left out.
+
+    `strip_width` of what is not near anything 1.25 times as broad, again with the width so found
+    until it stays, or a fifth of what is seen would be left; that of all, if it is hardly more.
+    """
+    whole = width = strip_width(depth)
+    seen = depth > 0
+    for _ in range(8):
+        near = depth_of(~(depth > 0.625 * width + 0.5)) <= 0.625 * width + 1.5
+        alone = seen & ~near
+        if alone.sum() < 0.2 * seen.sum():
+            break
+        narrower = strip_width(depth[alone])
+        if narrower > 0.98 * width:
+            break
+        width = narrower
+    return width if width < BUNDLED * whole else whole
 
 
 def _without_dirt(mask: np.ndarray, width: float) -> np.ndarray:

@@ -76,7 +76,7 @@ def _pixel_by_pixel(path: np.ndarray, scale: int) -> np.ndarray:
 
 def _skeleton_paths(mask: np.ndarray, width: float) -> list[np.ndarray]:
     """Skeleton of a mask with an empty rim, in simple paths (n, 2) of points x, y."""
-    points, touching = linked(_without_spurs(skeletonize(mask), width))
+    points, touching = linked(without_spurs(skeletonize(mask), width))
     junctions = points[degrees(touching) > 2]
     if len(junctions):
         away = cKDTree(junctions).query(points)[0] > CLEAR * width
@@ -85,7 +85,7 @@ def _skeleton_paths(mask: np.ndarray, width: float) -> list[np.ndarray]:
     return [_trimmed(path, width) for path in paths if len(path) >= max(4, SPECK * width)]
 
 
-def _without_spurs(skeleton: np.ndarray, width: float) -> np.ndarray:
+def without_spurs(skeleton: np.ndarray, width: float) -> np.ndarray:
     """Drop side branches shorter than a strand is wide: they are corners of its outline."""
     points, touching = linked(skeleton)
     degree = degrees(touching)

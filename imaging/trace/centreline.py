@@ -215,6 +215,11 @@ def refine(
     return found._replace(line=smooth.points)
 
 
+def sections_of(line: np.ndarray, own: np.ndarray, strand: np.ndarray, width: float) -> Sections:
+    """Cross-sections of a centreline (n, 2) that stays where it is."""
+    return _seen(resampled(bundled([line]), _step(width)), own, strand, width)
+
+
 def settle(
     found: Sections, own: np.ndarray, strand: np.ndarray, width: float, place: Place
 ) -> Sections:

@@ -24,6 +24,7 @@ from imaging.trace.centreline import (
     normals,
     refine,
     sample,
+    sections_of,
     settle,
 )
 from imaging.trace.chain import Chain, connected, main_tone
@@ -32,11 +33,13 @@ from imaging.trace.contact import known as know
 from imaging.trace.corners import without_corners
 from imaging.trace.crest_chains import ridge_chains
 from imaging.trace.doubled import broad_parts, drawn, hold_apart, is_in, keep_sides, stems
+from imaging.trace.exchange import bundled_chains
 from imaging.trace.matching import Gain, chains, doubtful, join, refund, within_colour
 from imaging.trace.tips import led_on
 from imaging.trace.two_tone import beneath, head_on, own_membership
 
 CREST = 4.0  # relative sd of a ridge's crest, where no edge is seen
+COURSE = 0.0  # the same of strands of one colour that run together: their whole course is known
 ROUNDS = 2  # of placing strands by what the others leave unexplained
 SHORTEST = 5.0  # strand widths; a shorter chain is a speck
 WHOLE = 3.0  # strand widths on which most of the width must be seen; else it is another's rim
@@ -103,20 +106,22 @@ def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand
     coverage = segmentation.coverage
     if coverage is None:
         coverage = segmentation.membership.sum(axis=0)
-    drafts = [
-        _strand(chain, segmentation, coverage)
-        for chain in _chained(segmentation, covered, coverage)
-    ]
+    chained, rough = _chained(segmentation, covered, coverage)
+    drafts = [_strand(chain, segmentation, coverage, rough) for chain in chained]
     drafts = [draft for draft in drafts if _is_whole(draft[0], segmentation, coverage)]
-    drafts = _with_tips(drafts, segmentation, covered, coverage)
+    drafts = _with_tips(drafts, segmentation, covered, coverage, rough)
     strands = [strand for strand, _ in drafts]
-    if segmentation.contrast is None:
+    if segmentation.contrast is None or rough == COURSE:
         return strands
     return _settled(strands, [sections for _, sections in drafts], segmentation, coverage)
 
 
 def _with_tips(
-    drafts: list[Draft], segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarray
+    drafts: list[Draft],
+    segmentation: Segmentation,
+    covered: np.ndarray,
+    coverage: np.ndarray,
+    rough: float | None,
 ) -> list[Draft]:
     """Lead strands that disappear under others on to where they show again."""
     found = list(drafts)
@@ -134,7 +139,7 @@ def _with_tips(
         seen = segmentation.labels == colour + 1
         for n, line in led_on(lines, hidden, seen, covered, segmentation.width).items():
             tones = _nearest_tones(line, own[n].line, own[n].tones)
-            found[n] = _strand(Chain(line, tones, own[n].doubts), segmentation, coverage)
+            found[n] = _strand(Chain(line, tones, own[n].doubts), segmentation, coverage, rough)
     return found
 
 
@@ -176,10 +181,19 @@ def _nearest_tones(line: np.ndarray, known: np.ndarray, tones: np.ndarray) -> np
     return tones[cKDTree(known).query(line)[1]]
 
 
-def _chained(segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarray) -> list[Chain]:
-    """Chains of pieces that are long enough to be a strand."""
+def _chained(
+    segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarray
+) -> tuple[list[Chain], float | None]:
+    """Chains of pieces that are long enough to be a strand, and the sd of lines where none shows.
+
+    It is relative to where both edges show; None where lines between pieces are but bridges.
+    """
     if segmentation.pieces is not None:
-        return ridge_chains(segmentation.pieces, covered, segmentation.width)
+        return ridge_chains(segmentation.pieces, covered, segmentation.width), CREST
+    if len(segmentation.colours) == 1:
+        bundled = bundled_chains(segmentation, coverage)
+        if bundled is not None:
+            return _long_enough(bundled, segmentation.labels, segmentation.width), COURSE
     pieces = _pieces(segmentation, coverage)
     ends = ends_of([path for path, _ in pieces], segmentation.width)
     refunds, gains, guesses = _choices(pieces, ends, segmentation, covered, coverage)
@@ -187,7 +201,7 @@ def _chained(segmentation: Segmentation, covered: np.ndarray, coverage: np.ndarr
     unsure = doubtful(joins, gains) | (set(joins) & guesses)
     walks = chains(len(pieces), joins)
     found = [connected(walk, pieces, ends, unsure) for walk in walks]
-    return _long_enough(found, segmentation.labels, segmentation.width)
+    return _long_enough(found, segmentation.labels, segmentation.width), None
 
 
 def _choices(
@@ -282,7 +296,9 @@ def _in_the_open(line: np.ndarray, labels: np.ndarray, colour: int, width: float
     return all(_kind(way, labels, colour, width) == "free" for way in (line, line[::-1]))
 
 
-def _strand(chain: Chain, segmentation: Segmentation, coverage: np.ndarray) -> Draft:
+def _strand(
+    chain: Chain, segmentation: Segmentation, coverage: np.ndarray, rough: float | None
+) -> Draft:
     """Strand along a chain, and its cross-sections."""
     width, labels = segmentation.width, segmentation.labels
     line, tones, doubts = chain
@@ -290,8 +306,10 @@ def _strand(chain: Chain, segmentation: Segmentation, coverage: np.ndarray) -> D
         line, tones, doubts = line[::-1], tones[::-1], doubts[::-1]
     own = own_membership(segmentation, coverage, line, tones)
     longer = _extended(_extended(line, own, width)[::-1], own, width)[::-1]
-    crest = None if segmentation.pieces is None else CREST
-    found = refine(longer, own, coverage, width, crest)
+    if rough == COURSE:
+        found = sections_of(longer, own, coverage, width)
+    else:
+        found = refine(longer, own, coverage, width, rough)
     fine = dense(found, width)
     ends = (
         _kind(fine.line[::-1], labels, tones[0], width),
