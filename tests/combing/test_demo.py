@@ -44,7 +44,7 @@ def test_demo_ends_by_saying_where_the_report_is(demo):
 
 def test_demo_leaves_figures_tables_and_nothing_else(demo):
     names = {path.name for path in demo[1].iterdir()}
-    figures = {"force", "link", "change_1", "interactions", "errors"}
+    figures = {"force", "link", "change_1", "interactions", "curls_1", "sensitivity_1", "errors"}
     expected = {f"{one}.{ending}" for one in figures for ending in ("png", "svg", "csv")}
     expected |= {
         "composite.png",
@@ -86,6 +86,14 @@ def test_every_curve_of_the_figures_is_in_the_tables(demo):
     assert {"experiment", "simulation"} <= set(link["source"])
     counted = pd.read_csv(demo[1] / "interactions.csv", comment="#")
     assert {"experiment", "simulation"} == set(counted["source"])
+    strands = pd.read_csv(demo[1] / "curls_1.csv", comment="#")
+    per_curl = strands.groupby(["source", "sample"])["strand"].nunique()
+    assert len(per_curl) == 6
+    assert per_curl.between(12, 14).all()  # a strand that is hidden for long comes in two
+    elsewhere = pd.read_csv(demo[1] / "sensitivity_1.csv", comment="#")
+    here = elsewhere.query("what == 'sections' and value == 20")
+    both = here.merge(counted, on=["source", "sample", "N"], suffixes=("", "_counted"))
+    assert both["density"].to_numpy() == pytest.approx(both["density_counted"].to_numpy(), rel=1e-5)
 
 
 def test_synthetic_is_said_everywhere(demo):
