@@ -83,8 +83,8 @@ def read_bodies(source: Source, header: Header, delimiter: str, told: Told) -> l
     for block, rows, cut in _walk(source, header, delimiter, told):
         bodies.append(_exact(source, block, rows, delimiter))
         last = [split_cells(source.lines[row], delimiter) for row in rows[-12:]]
-        if is_short(last):
-            note = f"line {rows[-1] + 1}: fewer cells than in any row above"
+        if is_short(last, block.used()):
+            note = f"line {rows[-1] + 1}: lacks a cell that every row above has"
             bodies[-1].warnings.append(note)
         gaps = (source.lines[a + 1 : b] for a, b in pairwise(rows) if b - a > 1)
         marks = sum(not all(map(is_blank, gap)) for gap in gaps)

@@ -57,7 +57,7 @@ def is_trailer(
 
 
 def ends_oddly(source: Source, first_row: str, delimiter: str) -> bool:
-    """Tell whether one of the last lines names a statistic, begins with no number, or is short."""
+    """Tell whether a last line names a statistic, begins with no number, or lacks a cell."""
     tail = source.data[-5000:].decode(source.encoding, errors="replace").split("\n")[-LONGEST:]
     first = split_cells(first_row, delimiter)
     rows = [split_cells(line.rstrip("\r"), delimiter) for line in tail[1:]]
@@ -66,9 +66,18 @@ def ends_oddly(source: Source, first_row: str, delimiter: str) -> bool:
     return any(is_statistic(row) or begins_otherwise(row, first) for row in rows)
 
 
-def is_short(rows: Sequence[Sequence[str]]) -> bool:
-    """Tell whether the last row has fewer cells than any before it."""
-    return len(rows) > 2 and len(rows[-1]) < min(map(len, rows[:-1]))
+def is_short(rows: Sequence[Sequence[str]], used: Sequence[int] = ()) -> bool:
+    """Tell whether the last row lacks a cell that every row before it has.
+
+    A statistic that lost its name lacks the number of the row. Empty cells of columns in use are
+    told otherwise.
+    """
+    if len(rows) < 3:
+        return False
+    last, before = rows[-1], rows[:-1]
+    least = min(map(len, before))
+    beside = [k for k in range(min(least, len(last))) if k not in used]
+    return len(last) < least or any(not last[k] and all(row[k] for row in before) for k in beside)
 
 
 def begins_otherwise(cells: Sequence[str], first: Sequence[str]) -> bool:

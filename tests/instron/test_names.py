@@ -105,3 +105,37 @@ def test_the_zero_byte_behind_a_first_line_of_words_is_no_damage(tmp_path):
 def test_a_maximum_a_few_percent_off_is_flagged_and_not_refused(tmp_path, apart):
     text = f"Maximum load, {F.max() * apart:.4f}, N\n\nTime (s),Stroke (mm),Force (N)\n"
     assert "states a maximum" in " ".join(reading(tmp_path, text + rows("{t},{d},{f}")))
+
+
+@pytest.mark.parametrize(
+    ("head", "pattern", "last"),
+    [
+        ("No.,Time (s),Stroke (mm),Force (N)", "{i},{t},{d},{f}", ",4.25,4.25,4.25"),
+        ("No.\tTime (s)\tStroke (mm)\tForce (N)", "{i}\t{t}\t{d}\t{f}", "\t6\t1.5\t2.1"),
+        ("Time (s);Stroke (mm);Force (N);Cycle", "{t};{d};{f};1", "6;1.5;2.1;"),
+        ("Time (s);Stroke (mm);Temp (C);Force (N)", "{t};{d};21.5;{f}", "6;1.5;;2.1"),
+        ("Time (s),Stroke (mm),Force (N),Note", "{t},{d},{f},a", "6,1.5,2.1"),
+    ],
+)
+def test_a_last_row_without_a_cell_that_all_others_have_is_said(tmp_path, head, pattern, last):
+    """It may be a statistic that lost its name: read, but not without a word."""
+    path = tmp_path / "export.csv"
+    path.write_text(f"{head}\n{rows(pattern)}{last}\n")
+    try:
+        (log,) = instron.read(path)
+    except instron.Unreadable:
+        return
+    said = [note for note in log.attrs["warnings"] if "lacks a cell" in note or "lost" in note]
+    assert said
+    whole = tmp_path / "whole.csv"
+    whole.write_text(f"{head}\n{rows(pattern)}")
+    (log,) = instron.read(whole)
+    assert not [note for note in log.attrs["warnings"] if "lacks a cell" in note]
+
+
+def test_cells_that_are_often_empty_say_nothing(tmp_path):
+    """A note in some rows alone is missing from the last as from others."""
+    lines = rows("{t},{d},{f},").splitlines()
+    lines[3] += "slipped"
+    text = "Time (s),Stroke (mm),Force (N),Note\n" + "\n".join(lines) + "\n"
+    assert not [note for note in reading(tmp_path, text) if "lacks a cell" in note]
