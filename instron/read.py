@@ -261,13 +261,9 @@ def _table(
             columns[quantity] = np.full(len(lines), np.nan)
             notes.append(_why_no_time(body.header))
             continue
-        values = body.values[specimen[quantity].index][keep]
-        refuse_fill_values(where, quantity, values, lines)
-        if quantity != "time":  # which must not run back anyway
-            refuse_moved_points(where, quantity, values, lines)
         unit, stated = written[quantity]
-        scale = unit.to_si()
-        columns[quantity] = values if scale == 1 else values * scale
+        values = body.values[specimen[quantity].index][keep]
+        columns[quantity] = _in_si(where, quantity, values, lines, unit)
         notes += _doubts_of_unit(quantity, unit, stated)
     if delimiter == "," and "time" in specimen:
         raw = [body.values[c.index][keep] for c in specimen.values()]
@@ -283,6 +279,17 @@ def _table(
     table.attrs["warnings"] = notes
     table.attrs["lost_rows"] = _lost_rows(notes)
     return table
+
+
+def _in_si(
+    where: str, quantity: str, values: np.ndarray, lines: Sequence[int], unit: Unit
+) -> np.ndarray:
+    """Return a column in SI; values that are none, or whose point has moved, are refused."""
+    refuse_fill_values(where, quantity, values, lines)
+    if quantity != "time":  # which must not run back anyway
+        refuse_moved_points(where, quantity, values, lines)
+    scale = unit.to_si()
+    return values if scale == 1 else values * scale
 
 
 def _lost_rows(notes: Sequence[str]) -> int:

@@ -23,7 +23,7 @@ from combing.figures.sweep import (
     legend_of_values,
     limit_curves,
     symbol_of,
-)  # fmt: skip
+)
 from combing.report import Section
 from combing.tables import write_table
 

@@ -16,8 +16,8 @@ from combing.paper.panels import REPEATS, Panel, panels
 from combing.report import write_report
 from combing.study import Study, load_study
 from combing.virtual_lab.packaged import data_folder
-from combing.virtual_lab.photographs import MARKER_SIDE
-from combing.virtual_lab.specimens import HAIRS, PI1, RADIUS, YOUNG
+from combing.virtual_lab.papers import photographed
+from combing.virtual_lab.specimens import RADIUS, YOUNG
 from sim.files import replacing
 
 log = logging.getLogger("combing")
@@ -26,24 +26,6 @@ RIG = f"""\
 r = {RADIUS}
 E = {YOUNG:.6g}
 poisson = 0.4
-"""
-PHOTOGRAPHED = f"""
-[[link]]
-name = "P/r = {PI1:g}, R/r = 1 (Figs. 2e, 3e)"
-photos = "lab/photos/synthetic_helix_[HELICES].jpg"
-before = "lab/photos/synthetic_helix_before.jpg"
-positions = "lab/photos/synthetic_helix_positions.csv"
-marker_side = {MARKER_SIDE}
-simulation = "lab/scenes/double_helix.toml"
-truth = "lab/truth/synthetic_link.csv"
-
-[[curl]]
-name = "{HAIRS} hairs (Figs. 1b, 1d, 3a, 3b)"
-photos = "lab/photos/synthetic_curl_[CURLS].jpg"
-marker_side = {MARKER_SIDE}
-strands = {HAIRS}
-simulations = "lab/scenes/curl_[CURLS].toml"
-truth = "lab/truth/synthetic_interactions.csv"
 """
 
 
@@ -132,8 +114,8 @@ def study_text(chosen: Sequence[Panel], repeats: int, quick: bool) -> str:
             table |= {"logs": f"lab/synthetic_{panel.stem}_{{value}}_*.csv", "rig": "rig.toml"}
         lines += ["", "[[sweep]]", *(f"{key} = {json.dumps(one)}" for key, one in table.items())]
         lines += [f"fixed = {_inline(panel.fixed)}", f"seeds = {repeats}"]
-    seen = PHOTOGRAPHED.replace("HELICES", "25" if quick else "1-9")
-    return "\n".join(lines) + "\n" + seen.replace("CURLS", "1" if quick else "1-9")
+    numbers = {"helices": "[25]", "curls": "[1]"} if quick else {}
+    return "\n".join(lines) + "\n" + photographed("lab/", **numbers)
 
 
 def _inline(table: Mapping[str, Any]) -> str:

@@ -27,7 +27,7 @@ turns = {HEIGHT / (PI1 * RADIUS):.4f}
 notes = "synthetic: virtual lab"
 """
 
-STUDY = f"""\
+_FORCE = f"""\
 # The demo's study: the virtual lab's specimens (synthetic) beside frictionless simulations.
 # Copy it and name your own files; docs/study.md lists the keys.
 title = "Combing a double helix: virtual lab and simulation"
@@ -39,24 +39,40 @@ logs = "logs/synthetic_combing_*.csv"
 rig = "rig.toml"
 simulation = "scenes/double_helix.toml"
 truth = "truth/synthetic_force.csv"
+"""
 
+
+def photographed(folder: str = "", helices: str = "[1-9]", curls: str = "*") -> str:
+    """Return the sets of a study that are of the data set's photographs.
+
+    Parameters
+    ----------
+    folder : str
+        Where it is, seen from the study, with a slash at its end.
+    helices, curls : str
+        Patterns of the numbers of those that are taken.
+    """
+    return f"""
 [[link]]
 name = "P/r = {PI1:g}, R/r = 1"
-photos = "photos/synthetic_helix_[1-9].jpg"
-before = "photos/synthetic_helix_before.jpg"
-positions = "photos/synthetic_helix_positions.csv"
+photos = "{folder}photos/synthetic_helix_{helices}.jpg"
+before = "{folder}photos/synthetic_helix_before.jpg"
+positions = "{folder}photos/synthetic_helix_positions.csv"
 marker_side = {MARKER_SIDE}
-simulation = "scenes/double_helix.toml"
-truth = "truth/synthetic_link.csv"
+simulation = "{folder}scenes/double_helix.toml"
+truth = "{folder}truth/synthetic_link.csv"
 
 [[curl]]
 name = "{HAIRS} hairs"
-photos = "photos/synthetic_curl_*.jpg"
+photos = "{folder}photos/synthetic_curl_{curls}.jpg"
 marker_side = {MARKER_SIDE}
 strands = {HAIRS}
-simulations = "scenes/curl_*.toml"
-truth = "truth/synthetic_interactions.csv"
+simulations = "{folder}scenes/curl_{curls}.toml"
+truth = "{folder}truth/synthetic_interactions.csv"
 """
+
+
+STUDY = _FORCE + photographed()
 
 
 def readme() -> str:

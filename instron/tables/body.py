@@ -34,6 +34,7 @@ from instron.tables.footer import (
     is_short,
     is_statistic,
     is_trailer,
+    starts_short,
 )
 from instron.tables.layout import (
     Header,
@@ -71,6 +72,7 @@ def read_bodies(source: Source, header: Header, delimiter: str, told: Told) -> l
     refuse_lone_returns(source, max(header.line, 0))
     whole = _last_line_is_whole(source, header, delimiter)
     whole = whole and not ends_oddly(source, source.line(header.first_row), delimiter)
+    whole = whole and not starts_short(source, header.first_row, delimiter, header.used())
     if whole and not _words_within(source, header):
         start = source.offset(header.first_row)
         quick = _quick(source, start, header, delimiter, source.head[header.first_row])
@@ -82,10 +84,7 @@ def read_bodies(source: Source, header: Header, delimiter: str, told: Told) -> l
     bodies = []
     for block, rows, cut in _walk(source, header, delimiter, told):
         bodies.append(_exact(source, block, rows, delimiter))
-        last = [split_cells(source.lines[row], delimiter) for row in rows[-12:]]
-        if is_short(last, block.used()):
-            note = f"line {rows[-1] + 1}: lacks a cell that every row above has"
-            bodies[-1].warnings.append(note)
+        bodies[-1].warnings.extend(_lacking(source, rows, delimiter, block.used()))
         gaps = (source.lines[a + 1 : b] for a, b in pairwise(rows) if b - a > 1)
         marks = sum(not all(map(is_blank, gap)) for gap in gaps)
         if marks:
@@ -186,6 +185,16 @@ def _pandas(
             )
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError):
         return None
+
+
+def _lacking(source: Source, rows: list[int], delimiter: str, used: list[int]) -> list[str]:
+    """Name a last or first row that lacks a cell which the others have: a statistic, a heading?"""
+    ends = {"above": rows[-12:], "below": rows[11::-1]}
+    return [
+        f"line {some[-1] + 1}: lacks a cell that every row {where} has"
+        for where, some in ends.items()
+        if is_short([split_cells(source.lines[row], delimiter) for row in some], used)
+    ]
 
 
 def _last_line_is_whole(source: Source, header: Header, delimiter: str) -> bool:

@@ -80,6 +80,12 @@ def is_short(rows: Sequence[Sequence[str]], used: Sequence[int] = ()) -> bool:
     return len(last) < least or any(not last[k] and all(row[k] for row in before) for k in beside)
 
 
+def starts_short(source: Source, first: int, delimiter: str, used: Sequence[int]) -> bool:
+    """Tell whether the first row lacks a cell that every row below it has."""
+    lines = source.head[first : first + LONGEST]
+    return is_short([split_cells(line, delimiter) for line in reversed(lines) if line], used)
+
+
 def begins_otherwise(cells: Sequence[str], first: Sequence[str]) -> bool:
     """Tell whether a line begins with no number where the first row does."""
     return bool(cells[0]) and looks_numeric(first[0]) and not looks_numeric(cells[0])

@@ -54,7 +54,7 @@ def test_a_small_paper_has_experiment_over_simulation_and_goes_on(tmp_path, monk
     fixed = {"turns": 3, "elements_per_pitch": 6, "speed": 0.5, "snapshots": 2}
     small = [Panel("Pitch", "pitch", "pi1", (18, 24), fixed)]
     monkeypatch.setattr(make, "panels", lambda quick: small)
-    monkeypatch.setattr(make, "PHOTOGRAPHED", "")
+    monkeypatch.setattr(make, "photographed", lambda *_, **__: "")
     out = tmp_path / "out"
     result = make_paper(out, quick=True, jobs=1, quiet=True)
     assert result.left_out == []

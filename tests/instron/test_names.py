@@ -139,3 +139,19 @@ def test_cells_that_are_often_empty_say_nothing(tmp_path):
     lines[3] += "slipped"
     text = "Time (s),Stroke (mm),Force (N),Note\n" + "\n".join(lines) + "\n"
     assert not [note for note in reading(tmp_path, text) if "lacks a cell" in note]
+
+
+@pytest.mark.parametrize(
+    ("head", "first", "pattern"),
+    [
+        ("No.,Time (s),Stroke (mm),Force (N)", ",0,50,500", "{i},{t},{d},{f}"),
+        ("Time (s);Stroke (mm);Force (N);Cycle", "-1;50;500;", "{t};{d};{f};1"),
+        ("Time (s)\tStroke (mm)\tForce (N)\tNote", "-1\t0.5\t2", "{t}\t{d}\t{f}\ta"),
+    ],
+)
+def test_a_first_row_without_a_cell_that_all_others_have_is_said(tmp_path, head, first, pattern):
+    """It may be a line about channels that lost its name."""
+    path = tmp_path / "export.csv"
+    path.write_text(f"{head}\n{first}\n{rows(pattern)}")
+    (log,) = instron.read(path)
+    assert "line 2: lacks a cell that every row below has" in log.attrs["warnings"]
