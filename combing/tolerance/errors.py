@@ -76,9 +76,12 @@ def _link_apart(one: Quantities, other: Quantities, last: float) -> float:
 
 
 def _at(one: Quantities, d: float, s: np.ndarray, pitch: float) -> np.ndarray:
-    """Return lambda over s with the tine at d [m], monotone between the four nearest snapshots."""
+    """Return lambda over s with the tine at d [m], monotone between the four nearest snapshots.
+
+    Of those with the tine at one place the last: before it moves it is not even inserted at first.
+    """
     places = one.run.displacements
-    moving = np.flatnonzero(np.diff(places, prepend=-1) > 0)
+    moving = np.flatnonzero(np.diff(places, append=np.inf) > 0)
     first = int(np.clip(np.searchsorted(places[moving], d) - 2, 0, max(len(moving) - 4, 0)))
     near = moving[first : first + 4]
     around = np.array([one.link(int(k), s, pitch)[1] for k in near])

@@ -63,7 +63,8 @@ def simulate_to_tolerance(
 
     Strategy: the measured front names the cheapest setting. It is run beside a second one whose
     every error is twice as large, so that their difference is the error of the first. Where that
-    exceeds the tolerance the setting is refined, and the run before serves as the second one.
+    exceeds the tolerance the setting is refined, and the run before serves as the second one, until
+    it is held, a refinement makes it no better, or four settings have been run.
 
     Parameters
     ----------
@@ -108,11 +109,11 @@ def simulate_to_tolerance(
         runs = wait()
     run = runs[0]
     tries = [Try(setting, predicted, _error(run, runs[1], DOUBLE), _seconds(runs.values()))]
-    while tries[-1].found.worst > tolerance and len(tries) <= REFINEMENTS:
-        _say_failed(tries[-1], tolerance)
+    while _goes_on(tries, tolerance):
         factor = min(max(1.25 * tries[-1].found.worst / tolerance, STEP[0]), STEP[1])
         setting, before = setting.scaled(1 / factor), run
         wanted = {0: with_setting(scene, setting)}
+        _say_failed(tries[-1], tolerance, predicted_seconds(wanted[0]))
         with simulating(wanted, folder, jobs=jobs, quiet=quiet) as wait:
             run = wait()[0]
         found = _error(run, before, factor)
@@ -138,10 +139,17 @@ def _seconds(runs: Any) -> float:
     return float(sum(run.data.attrs["wall_time_s"] for run in runs))
 
 
-def _say_failed(last: Try, tolerance: float) -> None:
+def _goes_on(tries: list[Try], tolerance: float) -> bool:
+    """Tell whether a finer setting is tried: not where the last one did not help."""
+    errors = [one.found.worst for one in tries]
+    helped = len(errors) == 1 or errors[-1] < errors[-2]
+    return errors[-1] > tolerance and helped and len(errors) <= REFINEMENTS
+
+
+def _say_failed(last: Try, tolerance: float, seconds: float) -> None:
     log.info(
-        "not within %s: f is off by %s, lambda by %s; refining",
-        *map(_percent, (tolerance, *last.found)),
+        "not within %s: f is off by %s, lambda by %s; refining, about %.2g s of processor time",
+        *map(_percent, (tolerance, *last.found)), seconds,
     )  # fmt: skip
 
 
