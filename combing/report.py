@@ -54,6 +54,7 @@ def write_report(
     about: str,
     footer: str,
     synthetic: bool,
+    files: str = "",
 ) -> None:
     """Write the page.
 
@@ -67,13 +68,15 @@ def write_report(
         What the page shows, in order.
     synthetic : bool
         Whether to say on top that the experiment comes from the virtual lab.
+    files : str
+        Folder of the figures' files, seen from the page, with a slash at its end.
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("combing"), autoescape=True, trim_blocks=True
     )
     environment.filters.update(inline=_inline, width=_width, shown=shown)
     page = environment.get_template("report.html").render(
-        title=title, sections=sections, about=about, footer=footer, synthetic=synthetic
+        title=title, sections=sections, about=about, footer=footer, synthetic=synthetic, files=files
     )
     path.write_text(page, encoding="utf-8")
 

@@ -87,6 +87,7 @@ def _write_page(study: Study, result: Result, out: Path) -> None:
         about=f"combing {__version__}; each figure is a PNG, an SVG and a CSV in figures/",
         footer="Tables, claims, notes and where the numbers come from: report.html.",
         synthetic=any(one.synthetic for one in found.values()),
+        files="figures/",
     )
 
 

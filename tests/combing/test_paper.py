@@ -1,5 +1,6 @@
 """The paper's study: it is one that can be read, and its virtual specimens are what they say."""
 
+import re
 import shutil
 
 import numpy as np
@@ -68,7 +69,11 @@ def test_a_small_paper_has_experiment_over_simulation_and_goes_on(tmp_path, monk
     make_paper(out, quick=True, jobs=1, quiet=True)
     assert {path: path.stat().st_mtime_ns for path in runs} == runs
     assert {path.stem for path in (out / "figures").glob("*.csv")} == {"figure_2c", "figure_3c"}
-    assert "Figure 2c" in (out / "paper.html").read_text(encoding="utf-8")
+    page = (out / "paper.html").read_text(encoding="utf-8")
+    assert "Figure 2c" in page
+    links = re.findall('href="([^"]+)"', page)
+    assert len(links) == 6
+    assert all((out / link).is_file() for link in links)
     logs = {path: path.stat().st_mtime_ns for path in (out / "lab").glob("*.csv")}
     edited = out / "study.toml"
     edited.write_text(edited.read_text().replace('"Pitch"', '"Ours"') + "# ours\n")
