@@ -41,6 +41,7 @@ from instron.tables.lines import END_MARK, LOST, Ledger, ledger, lost_lines
 from instron.tables.nolog import why_no_log
 from instron.tables.preamble import (
     labels_above,
+    listed_labels,
     metadata,
     specimen_label,
     stated_maxima,
@@ -151,13 +152,15 @@ def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list
     _refuse_questions(source, logs)
     refuse_other_units(source, logs, delimiter)
     logs = by_label(source, logs, delimiter)
-    stated = stated_maxima(_outside(source, bodies, taken), delimiter)
+    outside = _outside(source, bodies, taken)
+    stated = stated_maxima(outside, delimiter)
     odd = {body.cut: LOST for body in bodies if body.cut is not None}
     tables = [
         _table(source, body, number, delimiter, told, odd)
         for body in logs
         for number in range(len(body.header.specimens))
     ]
+    _name(tables, listed_labels(outside, delimiter))
     _check_together(source, tables, stated)
     _account(tables, ledger(source, bodies, taken, odd, delimiter))
     return tables
@@ -175,6 +178,14 @@ def _outside(source: Source, bodies: list[Body], taken: list[Body]) -> dict[int,
     if len(bodies) > 1:
         numbers += range(above, source.count)
     return {number: source.line(number) for number in numbers}
+
+
+def _name(tables: list[pd.DataFrame], labels: list[str]) -> None:
+    """Give tables that are named after the file the names that a table of results lists."""
+    if len(labels) == len(tables) and all(labels):
+        for table, label in zip(tables, labels, strict=True):
+            if table.attrs["specimen"] == Path(table.attrs["file"]).stem:
+                table.attrs["specimen"] = label
 
 
 def _account(tables: list[pd.DataFrame], found: Ledger) -> None:
@@ -354,9 +365,13 @@ def _head(source: Source, body: Body) -> list[str]:
     return source.head if body.header.line < len(source.head) else source.lines
 
 
+def _above(source: Source, body: Body) -> list[str]:
+    return _head(source, body)[body.above : body.header.line]
+
+
 def _facts(source: Source, body: Body, delimiter: str) -> dict[str, str]:
     """Return what the lines above a table say."""
-    return metadata(_head(source, body)[body.above : body.header.line], delimiter)
+    return metadata(_above(source, body), delimiter)
 
 
 def _provenance(
@@ -370,7 +385,7 @@ def _provenance(
     header, head = body.header, _head(source, body)
     facts = _facts(source, body, delimiter)
     names = labels_above(head, header, delimiter) if len(header.specimens) > 1 else []
-    label = names[number] if names else specimen_label(facts)
+    label = names[number] if names else specimen_label(_above(source, body), delimiter)
     return {
         "source": str(source.path),
         "specimen": body.label or label or source.path.stem,

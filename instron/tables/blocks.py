@@ -9,6 +9,7 @@ import numpy as np
 from instron.headings.words import SPECIMEN, plain
 from instron.numbers.numerals import looks_numeric
 from instron.source.files import NEWLINE, RETURN, Source
+from instron.tables.footer import OUT_OF_RANGE
 from instron.tables.layout import Header, is_row, split_cells
 
 # What starts a line that is no row: a word, or a bracket around one.
@@ -18,6 +19,7 @@ _LETTER[[*b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz([<#*"]] = True
 _LETTER[128:] = True
 _BEFORE = np.zeros(256, dtype=bool)
 _BEFORE[[*b" \t\"'"]] = True
+LONE_WORD = re.compile(r"[^\W\d_]{3,}( [^\W\d_]+)*[.:!]?")
 FEW = 0.05  # of all lines are words, where blocks repeat
 
 
@@ -80,3 +82,34 @@ def goes_on(source: Source, number: int, used: list[int], delimiter: str) -> boo
     """Tell whether rows follow a mark between two blocks at once."""
     line = next((line for line in source.lines[number : number + 2] if line.strip()), "")
     return is_row(split_cells(line, delimiter), used)
+
+
+def is_word_between(
+    source: Source, number: int, rows: Sequence[int], header: Header, delimiter: str
+) -> bool:
+    """Tell whether a line is a lone word, ``Hold`` or ``eoh``, between two rows of a timed table.
+
+    A row that it had replaced, or another test, would show in the time.
+    """
+    words = [cell for cell in split_cells(source.lines[number], delimiter) if cell]
+    if len(words) != 1 or LONE_WORD.fullmatch(words[0]) is None:
+        return False
+    known = SPECIMEN | OUT_OF_RANGE
+    if rows[-1:] != [number - 1] or not known.isdisjoint(plain(words[0]).split()):
+        return False
+    return all(
+        "time" in specimen and _no_row_lacks(source, number, specimen["time"].index, delimiter)
+        for specimen in header.specimens
+    )
+
+
+def _no_row_lacks(source: Source, number: int, time: int, delimiter: str) -> bool:
+    """Tell whether the time across a line makes no more than a step and a half."""
+    cells = [split_cells(line, delimiter) for line in source.lines[number - 1 : number + 3]]
+    try:
+        before, _, after, then = (
+            float(row[time].replace(",", ".")) if k != 1 else 0.0 for k, row in enumerate(cells)
+        )
+    except (IndexError, ValueError):
+        return False
+    return 0 < after - before <= 1.5 * (then - after)

@@ -24,6 +24,7 @@ from instron.tables.blocks import (
     WORDY,
     goes_on,
     is_other_heading,
+    is_word_between,
     marks_above,
     repeated_blocks,
 )
@@ -297,11 +298,7 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
         if is_blank(line):
             continue
         cells = split_cells(line, delimiter)
-        if _QUOTED_WITHIN.search(line):
-            raise Unreadable(f"{source.path}: line {number + 1}: quotes within a number")
-        torn = quotes_are_torn(line, delimiter) and (line.count('"') % 2 or is_row(cells, used))
-        if torn and not _is_last_and_open(source, number):
-            raise Unreadable(f"{source.path}: line {number + 1}: a quote is not closed")
+        torn = _is_torn(source, number, cells, delimiter, used)
         digits = _PLAIN_ROW.fullmatch(line)
         if not digits and is_statistic(cells) and ends_rows(source, number, delimiter, used):
             header.choices.append(f"line {number + 1}: '{line[:40]}' is a statistic, no row")
@@ -319,6 +316,9 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
             break
         if cells[0] in marks and goes_on(source, number + 1, used, delimiter):
             continue
+        if is_word_between(source, number, rows, header, delimiter):
+            header.doubts.append(f"line {number + 1}: '{line.strip()[:40]}' is no row")
+            continue
         if is_trailer(source, number, delimiter, used, rows):
             note = f"line {number + 1}: '{line.strip()[:40]}' below the rows is no row"
             header.doubts.append(note)
@@ -328,6 +328,20 @@ def _rows(source: Source, header: Header, delimiter: str) -> tuple[list[int], in
             header.doubts.append(f"line {number + 1}: '{line.strip()[:40]}' is no row")
         return rows, number, None
     return _without_cut_row(source, header, rows, delimiter)
+
+
+def _is_torn(
+    source: Source, number: int, cells: list[str], delimiter: str, used: list[int]
+) -> bool:
+    """Tell whether a quote of a row is not closed, which only the last of a cut file may be."""
+    line = source.lines[number]
+    if _QUOTED_WITHIN.search(line):
+        raise Unreadable(f"{source.path}: line {number + 1}: quotes within a number")
+    odd = line.count('"') % 2 == 1
+    torn = quotes_are_torn(line, delimiter) and (odd or is_row(cells, used))
+    if torn and not _is_last_and_open(source, number):
+        raise Unreadable(f"{source.path}: line {number + 1}: a quote is not closed")
+    return torn
 
 
 def _is_block_head(source: Source, header: Header, number: int, delimiter: str) -> bool:

@@ -23,10 +23,13 @@ def joined(bodies: list[Body], one_test: bool) -> list[Body]:
     """
     kept: list[Body] = []
     for body in bodies:
-        if kept and _alike(kept[-1].header, body.header) and _runs_on(kept[-1], body, one_test):
+        alike = bool(kept) and _alike(kept[-1].header, body.header)
+        if alike and _runs_on(kept[-1], body, one_test):
             kept[-1].parts.append(body)
-        else:
-            kept.append(replace(body, parts=[body]))
+            continue
+        if alike and (one := _half_runs_on(kept[-1], body)):
+            body.warnings.append(f"line {body.lines[0] + 1}: {one}: read as another test")
+        kept.append(replace(body, parts=[body]))
     return [_whole(body) for body in kept]
 
 
@@ -34,22 +37,46 @@ def _alike(one: Header, other: Header) -> bool:
     return len(one.specimens) == len(other.specimens) == 1 and one.specimens == other.specimens
 
 
+def _near(x: np.ndarray, y: np.ndarray) -> bool:
+    """Tell whether a displacement goes on where the one before leaves off."""
+    step = np.abs(np.diff(x)).max(initial=0.0)
+    return bool(abs(y[0] - x[-1]) <= 3 * step + 0.005 * np.ptp(x))
+
+
+def _is_away(x: np.ndarray) -> bool:
+    """Tell whether a displacement ends elsewhere than it begins, where any other test begins."""
+    return bool(abs(x[-1] - x[0]) > 10 * np.abs(np.diff(x)).max(initial=0.0) > 0)
+
+
+def _soon(t: np.ndarray, u: np.ndarray) -> bool:
+    """Tell whether a time goes on after the one before, and soon."""
+    return bool(0 <= u[0] - t[-1] <= LONGEST_PAUSE * np.diff(t).max(initial=0.0))
+
+
 def _runs_on(before: Body, after: Body, one_test: bool) -> bool:
     """Tell whether a block goes on where the one before it ends."""
     last, specimen = before.parts[-1], before.header.specimens[0]
     x, y = (part.values[specimen["displacement"].index] for part in (last, after))
-    if "time" in specimen and max(len(x), len(y)) <= SHORTEST:
-        t, u = (part.values[specimen["time"].index] for part in (last, after))
-        return bool(t[-1] < u[0])  # a row or two is no test of its own
-    step = np.abs(np.diff(x)).max(initial=0.0)
-    near = bool(abs(y[0] - x[-1]) <= 3 * step + 0.005 * np.ptp(x))
     if "time" not in specimen:
-        return near and bool(abs(x[-1] - x[0]) > 10 * step > 0)
+        return _near(x, y) and _is_away(x)
     t, u = (part.values[specimen["time"].index] for part in (last, after))
-    follows, pause = bool(t[-1] <= u[0]), np.diff(t).max(initial=0.0)
-    if one_test and near | (_cyclic(x) and _cyclic(y)):
-        return follows
-    return follows and near and bool(u[0] - t[-1] <= LONGEST_PAUSE * pause)
+    if max(len(x), len(y)) <= SHORTEST:
+        return bool(t[-1] < u[0])  # a row or two is no test of its own
+    if one_test and _near(x, y) | (_cyclic(x) and _cyclic(y)):
+        return bool(t[-1] <= u[0])
+    return _near(x, y) and _soon(t, u)
+
+
+def _half_runs_on(before: Body, after: Body) -> str:
+    """Say so where only time or only displacement goes on: is a number at the seam damaged?"""
+    last, specimen = before.parts[-1], before.header.specimens[0]
+    if "time" not in specimen:
+        return ""
+    x, y = (part.values[specimen["displacement"].index] for part in (last, after))
+    t, u = (part.values[specimen["time"].index] for part in (last, after))
+    if _near(x, y):
+        return "displacement runs on from the block above, time does not" * _is_away(x)
+    return "time runs on from the block above, displacement does not" * _soon(t, u)
 
 
 def _cyclic(x: np.ndarray) -> bool:

@@ -8,6 +8,7 @@ from instron.headings.grammar import quantity_of, split_unit
 from instron.headings.units import Unit, read_unit
 from instron.headings.words import UNIT, plain, word_set
 from instron.numbers.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
+from instron.tables.footer import is_statistic
 from instron.tables.layout import Header, split_cells
 
 MAXIMUM = word_set(
@@ -62,12 +63,43 @@ def stated_units(facts: Mapping[str, str]) -> dict[str, Unit]:
     return {q: units[0] for q, units in found.items() if all(map(units[0].agrees, units))}
 
 
-def specimen_label(facts: dict[str, str]) -> str | None:
-    """Return the name the metadata give the specimen, or None."""
-    for key, value in facts.items():
-        if LABEL.search(plain(key)) and value:
-            return value
+def specimen_label(lines: list[str], delimiter: str) -> str | None:
+    """Return the name that a line such as ``Specimen label, A1`` gives the specimen, or None."""
+    for line in lines:
+        for key, value in metadata([line], delimiter).items():
+            if value and LABEL.search(plain(key)) and not _heads_table(line, delimiter):
+                return value
     return None
+
+
+def _heads_table(line: str, delimiter: str) -> bool:
+    """Tell whether a line names columns, and is no name with its value and perhaps a unit."""
+    cells = [cell for cell in split_cells(line, delimiter) if cell]
+    return len(cells) > 3 or (len(cells) == 3 and read_unit(cells[2]) is None)
+
+
+def listed_labels(lines: Mapping[int, str], delimiter: str) -> list[str]:
+    """Return the specimens' names of a table of results, a row each, or none."""
+    for number, line in lines.items():
+        cells = split_cells(line, delimiter)
+        column = next((i for i, cell in enumerate(cells) if LABEL.search(plain(cell))), None)
+        if column is None or not _heads_table(line, delimiter):
+            continue
+        rows = _until_blank(lines, number, delimiter)
+        rows = [row for row in rows if any(map(looks_numeric, row)) and not is_statistic(row)]
+        return [row[column] if column < len(row) else "" for row in rows]
+    return []
+
+
+def _until_blank(lines: Mapping[int, str], number: int, delimiter: str) -> list[list[str]]:
+    """Return the cells of the lines below one, up to a blank one."""
+    found = []
+    for below in range(number + 1, number + LONGEST_TABLE):
+        cells = split_cells(lines.get(below, ""), delimiter)
+        if not any(cells):
+            break
+        found.append(cells)
+    return found
 
 
 def labels_above(lines: list[str], header: Header, delimiter: str) -> list[str]:

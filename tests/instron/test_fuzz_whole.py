@@ -131,10 +131,10 @@ def check_file(drawn, damage, attempt):
         return
     width = next(text.count(mark) + 1 for role, text in lines if role == "row")
     truth = _strict(after, at, mark, width)
-    read = pd.concat(logs)  # a damaged time may make two tests of one
-    said = f"{_text(after, closed).decode()}\nread as\n{read}"
+    said = f"{_text(after, closed).decode()}\nread as\n{pd.concat(logs)}"
     assert truth is not None, f"a damaged row passed without a word: {said}"
-    assert _is_read(read, truth, scales), said
+    assert len(logs) == 1, f"one test was parted without a word: {said}"
+    assert _is_read(logs[0], truth, scales), said
 
 
 @settings(STEADY, max_examples=250)

@@ -54,3 +54,59 @@ def test_a_return_of_the_crosshead_is_no_new_test(tmp_path):
     there = np.concatenate([X, X[::-1]])
     (log,) = read(tmp_path, "Run,Extension (mm),Load (N)", [1] * (2 * N), (there, np.tile(F[0], 2)))
     assert len(log) == 2 * N
+
+
+@pytest.mark.parametrize("name", ["File", "Material", "Fibre", "", "Temperature (C)"])
+@pytest.mark.parametrize("timed", [True, False])
+def test_what_changes_where_tests_begin_anew_names_them(name, timed, tmp_path):
+    labels = np.repeat(["20", "45", "60"] if name.startswith("Temp") else ["pa", "pe", "pp"], N)
+    columns = [np.tile(X, 3), np.concatenate(F)]
+    header = f"{name},Extension (mm),Load (N)"
+    if timed:
+        columns.insert(0, np.tile(T, 3))
+        header = f"{name},Time (s),Extension (mm),Load (N)"
+    logs = read(tmp_path, header, labels, columns)
+    assert [log.attrs["specimen"] for log in logs] == list(dict.fromkeys(labels))
+    for log, force in zip(logs, F, strict=True):
+        np.testing.assert_allclose(log["force"], force)
+
+
+def test_two_columns_name_a_specimen_together(tmp_path):
+    labels = np.repeat(["pa,1", "pa,2", "pe,1"], N)
+    columns = np.tile(X, 3), np.concatenate(F)
+    logs = read(tmp_path, "Material,Specimen,Extension (mm),Load (N)", labels, columns)
+    assert [log.attrs["specimen"] for log in logs] == ["pa, 1", "pa, 2", "pe, 1"]
+
+
+def test_specimens_that_come_back_to_the_start_are_told_apart(tmp_path):
+    there = np.concatenate([X[: N // 2], X[: N // 2][::-1]])
+    columns = np.tile(there, 2), np.concatenate(F[:2])
+    logs = read(tmp_path, "Trial,Extension (mm),Load (N)", np.repeat(["1", "2"], N), columns)
+    assert [len(log) for log in logs] == [N, N]
+
+
+def test_specimens_of_one_long_clock_are_told_apart(tmp_path):
+    time = np.round(np.arange(2 * N) * 0.2, 1)
+    columns = time, np.tile(X, 2), np.concatenate(F[:2])
+    logs = read(tmp_path, "Specimen,Time (s),Extension (mm),Load (N)",
+                np.repeat(["p", "q"], N), columns)  # fmt: skip
+    assert [log["time"].iloc[0] for log in logs] == pytest.approx([0, 6.0])
+
+
+@pytest.mark.parametrize("name", ["Run", "Remark"])
+def test_a_label_that_changes_while_the_test_runs_on_is_said(name, tmp_path):
+    labels = np.repeat(["first", "second"], N // 2)
+    (log,) = read(tmp_path, f"{name},Time (s),Extension (mm),Load (N)", labels, (T, X, F[0]))
+    (said,) = [note for note in log.attrs["warnings"] if "read as one test" in note]
+    assert said.startswith(f"line 17: '{name}' changes from 'first' to 'second'")
+
+
+STAGES = {"Cycle": ["1", "2"], "Number": ["1", "2"], "Part": ["loading", "unloading"],
+          "Mode": ["Step 1", "Step 2"]}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "labels"), STAGES.items())
+def test_cycles_and_stages_are_no_specimens(name, labels, tmp_path):
+    columns = np.tile(T, 2), np.concatenate([X, X[::-1]]), np.concatenate(F[:2])
+    with pytest.raises(instron.Unreadable, match="time jumps back"):
+        read(tmp_path, f"{name},Time (s),Extension (mm),Load (N)", np.repeat(labels, N), columns)

@@ -219,3 +219,26 @@ def test_a_cell_too_many_in_one_row_is_damage(tmp_path):
     lines[7] = "0.7\t0\t0.175\t2.5"
     with pytest.raises(instron.Unreadable, match="line 10"):
         read(tmp_path, HEAD + "\n".join(lines) + "\n")
+
+
+@pytest.mark.parametrize("word", ["hold", "Paused by operator", "eoh"])
+def test_a_lone_word_between_two_rows_takes_none_away(word, tmp_path):
+    lines = rows().splitlines(keepends=True)
+    (log,) = read(tmp_path, HEAD + "".join([*lines[:9], word + "\n", *lines[9:]]))
+    np.testing.assert_allclose(log["force"], F)
+    assert any(f"line 12: '{word}' is no row" in note for note in log.attrs["warnings"])
+    with pytest.raises(instron.Unreadable, match="line 12: text within the data"):
+        read(tmp_path, HEAD + "".join([*lines[:9], word + "\n", *lines[10:]]))
+
+
+@pytest.mark.parametrize("part", ["time", "displacement"])
+def test_blocks_of_which_only_half_runs_on_are_said_to_be_two(part, tmp_path):
+    t, x = T.copy(), X.copy()
+    (t if part == "time" else x)[19 if part == "time" else 20] += 70
+    first, second = (rows(t, x, part=slice(*ends)) for ends in ((0, 20), (20, N)))
+    logs = read(tmp_path, HEAD + first + "\n" + HEAD + second)
+    assert [len(log) for log in logs] == [20, 40]
+    assert any(
+        note.startswith("line 26: ") and "read as another test" in note
+        for note in logs[1].attrs["warnings"]
+    )

@@ -150,3 +150,21 @@ def test_a_damaged_first_row_describes_no_channel(cell, tmp_path):
     rows[0] = f"{cell},{X[0]},{F[0]}"
     with pytest.raises(instron.Unreadable):
         read(tmp_path, "Time (s),Stroke (mm),Load (N)\n" + "\n".join(rows) + "\n")
+
+
+def test_results_above_raw_data_name_the_specimens(tmp_path):
+    heading = ",Specimen label,Width,Maximum Tensile stress\n,,(mm),(MPa)\n"
+    results = "".join(f'"{k}","{name}","12.5","427.0"\n' for k, name in enumerate("pqr", 1))
+    blocks = [
+        f"{k},Time,Displacement,Force\n,(s),(mm),(N)\n"
+        + "".join(f'"","{t}","{x}","{k * f}"\n' for t, x, f in zip(T, X, F, strict=True))
+        for k in (1, 2, 3)
+    ]
+    mean = '"Mean","","12.5","427.0"\n\n'
+    text = "Results Table 1\n" + heading + results + mean + "\n".join(blocks)
+    assert [log.attrs["specimen"] for log in read(tmp_path, text)] == ["p", "q", "r"]
+    (one,) = read(
+        tmp_path,
+        "Results Table 1\n" + heading + results.splitlines(keepends=True)[0] + "\n" + blocks[0],
+    )
+    assert one.attrs["specimen"] == "p"
