@@ -1,13 +1,13 @@
 """Where combing ends: one rule for a machine's log and a simulated one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import stdtrit
 
 from instron.errors import Unscalable
 from instron.scaling.average import FINE
-from instron.scaling.noise import SLOW
+from instron.scaling.noise import SLOW, Noise
 from instron.scaling.rig import Rig
 
 SHARE = 0.01  # of the work: what comes after combing carries less
@@ -47,15 +47,53 @@ class End:
     warnings: list[str]
 
 
+@dataclass(frozen=True)
+class _Doubt:
+    """What is not known of the force where it falls.
+
+    Attributes
+    ----------
+    noise
+        Of the record.
+    zero
+        Standard uncertainty of the force that means nothing [N].
+    length, step
+        Averaging length, and distance of two rows [m].
+    """
+
+    noise: Noise
+    zero: float
+    length: float
+    step: float
+
+    @property
+    def unsure(self) -> float:
+        """How many times larger noise as slow as the length may be than what is known of it.
+
+        The quantile of Student's t over that of the normal distribution: a few swings tell little.
+        """
+        if self.noise.averaged <= SLOW * self.noise.sd:
+            return 1.0
+        return float(min(MOST, stdtrit(self.noise.freedom, 0.975) / WIDTH))
+
+    @property
+    def colour(self) -> float:
+        """How much more noise averaging leaves than it would of white noise."""
+        if self.noise.sd == 0:
+            return 1.0
+        left = self.noise.averaged / self.noise.sd
+        return max(1.0, left * float(np.sqrt(max(1.0, self.length / self.step))))
+
+
 def find_end(
     d: np.ndarray,
     F: np.ndarray,
     smooth: np.ndarray,
     length: float,
-    noise: tuple[float, float],
+    noise: Noise,
     rig: Rig,
     name: str,
-    freedom: float = np.inf,
+    zero: float = 0.0,
 ) -> End:
     """Return where the averaged force falls for good.
 
@@ -73,9 +111,9 @@ def find_end(
     length
         That F is averaged over [m].
     noise
-        Standard deviation of a reading and of the averaged force [N].
-    freedom
-        Degrees of freedom that the latter is known with.
+        Of a reading and of the averaged force.
+    zero
+        Standard uncertainty of the zero where combing ends [N].
 
     Raises
     ------
@@ -83,60 +121,61 @@ def find_end(
         When no force stands out of the noise.
     """
     peak = float(smooth.max())
-    if peak <= 0 or peak < rig.end_sigma * noise[1]:
+    limit, level = rig.end_sigma * noise.averaged, rig.end_fraction * peak
+    if peak <= 0 or peak < limit:
         raise Unscalable(f"{name}: the peak force {peak:.3g} N does not stand out of the noise")
-    by_noise = rig.end_sigma * noise[1] > rig.end_fraction * peak
-    rule = f"{rig.end_sigma:g} x noise" if by_noise else f"{rig.end_fraction:.0%} of the peak"
-    threshold = max(rig.end_sigma * noise[1], rig.end_fraction * peak)
+    threshold = max(limit, level)
+    by_noise = f"{rig.end_sigma:g} x noise"
+    rule = by_noise if limit > level else f"{rig.end_fraction:.0%} of the peak"
     last, touches = _last_row(d, smooth, threshold, length)
     if last == len(d) - 1:
         note = "the log stops before combing ends: D is the last displacement"
         return End(float(d[-1]), np.nan, np.nan, False, threshold, rule, [note])
-    level = rig.end_fraction * peak
-    D, low, high = float(d[last]), 0.0, 0.0
-    unsure = _unsure(noise, freedom)
-    first = 0  # row from which the fall is looked for
-    for _ in range(ROUNDS):
-        before = D
-        D, low, high = _fall(d[first:], F[first:], before, length, level, noise, unsure)
-        until = float(d[last]) - length / 2
-        beyond = (d > D) & (d <= until)
-        if _goes_on(F[beyond], level, noise[0] * _colour(noise, length, d)):
-            first, D = int(np.argmax(beyond)), until  # one of two releases close together
-        elif abs(D - before) < length / FINE:
-            break
+    doubt = _Doubt(noise, zero, length, float(np.median(np.diff(d))))
+    D, low, high = _last_fall(d, F, last, level, doubt)
     if D <= 0:
         raise Unscalable(f"{name}: the force is above {threshold:.3g} N only at the start")
-    if unsure > 1:  # a swing of the noise may have been taken for force, and force for a swing
-        limits = max(level, threshold / unsure), min(threshold * unsure, peak / 2)
-        latest, earliest = (d[_last_row(d, smooth, limit, length)[0]] for limit in limits)
-        low, high = min(low, earliest - length / 2), max(high, latest + length / 2)
+    if doubt.unsure > 1:
+        early, late = _swung(d, smooth, level, threshold, peak, doubt)
+        low, high = min(low, early), max(high, late)
     notes = [_said(touches, D)] if touches else []
     notes += _loose(d, smooth, threshold, length, D)
     return End(D, float(low), float(high), True, threshold, rule, notes)
 
 
-def _unsure(noise: tuple[float, float], freedom: float) -> float:
-    """Return how many times larger noise as slow as the length may be than what is known of it.
+def _last_fall(
+    d: np.ndarray, F: np.ndarray, last: int, level: float, doubt: _Doubt
+) -> tuple[float, float, float]:
+    """Return where the force falls through ``level`` at row ``last``, with a 95 % interval [m].
 
-    The quantile of Student's t over that of the normal distribution: a few swings tell little.
+    The fit is centred on what it finds, and looks only at the later of two releases close together.
     """
-    if noise[1] <= SLOW * noise[0]:
-        return 1.0
-    return float(min(MOST, stdtrit(freedom, 0.975) / WIDTH))
+    length, noise = doubt.length, doubt.noise
+    D, low, high, first = float(d[last]), 0.0, 0.0, 0
+    until = D - length / 2
+    for _ in range(ROUNDS):
+        before = D
+        D, low, high = _fall(d[first:], F[first:], before, level, doubt)
+        beyond = (d > D) & (d <= until)
+        if _goes_on(F[beyond], level, noise.sd * doubt.colour):
+            first, D = int(np.argmax(beyond)), until
+        elif abs(D - before) < length / FINE:
+            break
+    return D, low, high
+
+
+def _swung(
+    d: np.ndarray, smooth: np.ndarray, level: float, threshold: float, peak: float, doubt: _Doubt
+) -> tuple[float, float]:
+    """Return the ends if a swing of the noise was taken for force, and force for a swing [m]."""
+    limits = max(level, threshold / doubt.unsure), min(threshold * doubt.unsure, peak / 2)
+    late, early = (float(d[_last_row(d, smooth, limit, doubt.length)[0]]) for limit in limits)
+    return early - doubt.length / 2, late + doubt.length / 2
 
 
 def _goes_on(F: np.ndarray, level: float, sd: float) -> bool:
     """Tell whether readings are above ``level`` in the mean, by SURE of its standard deviation."""
     return len(F) > 2 and float(F.mean()) > level + SURE * sd / np.sqrt(len(F))
-
-
-def _colour(noise: tuple[float, float], length: float, d: np.ndarray) -> float:
-    """Return by how much more noise averaging leaves than it would of white noise."""
-    step = float(np.median(np.diff(d)))
-    if noise[0] == 0:
-        return 1.0
-    return max(1.0, noise[1] / noise[0] * np.sqrt(max(1.0, length / step)))
 
 
 def _last_row(
@@ -177,37 +216,33 @@ def _loose(
 
 
 def _fall(
-    d: np.ndarray,
-    F: np.ndarray,
-    last: float,
-    length: float,
-    level: float,
-    noise: tuple[float, float],
-    unsure: float,
+    d: np.ndarray, F: np.ndarray, last: float, level: float, doubt: _Doubt
 ) -> tuple[float, float, float]:
     """Return where the force falls through ``level`` near ``last``, with a 95 % interval [m].
 
     Least squares of s (e - d) before a place e and 0 after it, e tried everywhere, and where the
     data ask for it with a bend, s (e - d) + q (e - d)^2, or a step, h + s (e - d). The interval
     holds what all places within chi-squared of the best one give; coloured noise counts by how
-    much more of it averaging leaves than of white.
+    much more of it averaging leaves than of white. What the zero is off moves the place by the
+    inverse of the slope there.
     """
-    d, F = _around(d, F, last, AROUND * length)
+    d, F = _around(d, F, last, AROUND * doubt.length)
     if len(d) < 5:
-        return last, last - length / 2, last + length / 2
+        return last, last - doubt.length / 2, last + doubt.length / 2
     ramps, curves, steps = _fits(d, F, level)
     step = float(np.median(np.diff(d)))
     least = max(0.0, float(min(one[0].min() for one in (ramps, curves, steps))))
-    variance = max(least / max(1, len(d) - 3), noise[0] ** 2)
-    colour = _colour(noise, length, d) ** 2
-    doubtful = colour * variance * unsure**2
+    variance = max(least / max(1, len(d) - 3), doubt.noise.sd**2)
+    colour = replace(doubt, step=step).colour ** 2
+    doubtful = colour * variance * doubt.unsure**2
     allowed = doubtful * np.repeat([CHI2, CHI2, JUMP], steps.shape[1])
     for one in (curves, steps):  # must be needed: noise makes small bends and steps
         one[0] += CHI2 * colour * variance
-    rest, places, doubts = np.concatenate([ramps, curves, steps], axis=1)
+    rest, places, doubts, flat = np.concatenate([ramps, curves, steps], axis=1)
     best = int(np.argmin(rest))
     near = rest <= rest[best] + allowed
-    reach = np.hypot(WIDTH * doubts[near] * np.sqrt(doubtful), step / 2)
+    sd = np.hypot(doubts[near] * np.sqrt(doubtful), flat[near] * doubt.zero)
+    reach = np.hypot(WIDTH * sd, step / 2)
     low, high = (places[near] - reach).min(), (places[near] + reach).max()
     return float(places[best]), float(low), float(high)
 
@@ -230,8 +265,9 @@ def _fits(d: np.ndarray, F: np.ndarray, level: float) -> tuple[np.ndarray, ...]:
     Returns
     -------
     ramps, curves, steps
-        (3, edges) each: squares left, place where the fit passes ``level``, and its sd per unit of
-        noise. A step that is higher than ``level`` passes it at its edge.
+        (4, edges) each: squares left, place where the fit passes ``level``, its sd per unit of
+        noise, and by how much it moves per unit of force. A step that is higher than ``level``
+        passes it at its edge.
     """
     edge = (d[2:-2] + d[3:-1]) / 2
     away = np.clip(edge[:, None] - d, 0, None)
@@ -258,8 +294,8 @@ def _fits(d: np.ndarray, F: np.ndarray, level: float) -> tuple[np.ndarray, ...]:
         slope = np.abs(m * one * far ** max(m - 1, 0) + n * two * far ** max(n - 1, 0))
         row = np.array([far**m, far**n])
         sd = np.sqrt(np.clip(np.einsum("ik,ijk,jk->k", row, spread, row), 0, None))
-        doubt = np.where((far > 0) & (slope > 0), sd / np.where(slope > 0, slope, 1), 0.0)
-        return np.array([rest, edge - far, doubt])
+        flat = np.where((far > 0) & (slope > 0), 1 / np.where(slope > 0, slope, 1), 0.0)
+        return np.array([rest, edge - far, sd * flat, flat])
 
     return fitted(1, 1), fitted(1, 2), fitted(0, 1)
 

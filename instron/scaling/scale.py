@@ -133,17 +133,38 @@ def _measure(log: pd.DataFrame, rig: Rig) -> _Stroke:
         F, averaged = zero.sign * (raw - zero.level), zero.sign * (smooth - zero.level)
         d = travel - rig.compliance * F
         d = d - (_toe(d, averaged, log) if rig.toe == "tangent" else d[0])
-        pair = (noise.sd, noise.averaged)
-        end = find_end(d, F, averaged, length, pair, rig, name_of(log), noise.freedom)
+        end = find_end(d, F, averaged, length, noise, rig, name_of(log))
         beyond = d > end.D + length
         free = of_free_end(raw[beyond], length / step) if end.ended else None
         if free is None or free == noise:
             break
         noise, after = free, int(beyond.sum())
+    unsure = _zero_at(zero, noise, length / step, float(np.mean(d <= end.D)))
+    if end.ended:
+        end = find_end(d, F, averaged, length, noise, rig, name_of(log), unsure)
     end, doubt = _swinging(d, F, averaged, length, step, noise, end)
     return _Stroke(
         travel, d, F, averaged, profile(travel, F), length, step, zero, noise, end, doubt
     )
+
+
+def _zero_at(zero: Zero, noise: Noise, rows: float, place: float) -> float:
+    """Return the standard uncertainty of the zero at a place, as a share of the record [N].
+
+    Of what start and end differ a steady drift leaves the more the farther the zero was taken; it
+    may also have come at once, anywhere: a uniform distribution twice as wide.
+    """
+    if zero.rule == "none":
+        return 0.0
+    far = place if zero.rule.startswith("start") else 1 - place
+    return float(np.hypot(_median_doubt(zero, noise, rows), 2 * far * zero.drift))
+
+
+def _median_doubt(zero: Zero, noise: Noise, rows: float) -> float:
+    """Return the sd of a zero that is a median of coloured noise: of independent averages."""
+    if not zero.rule.startswith(("free", "drift")):
+        return 0.0
+    return 1.25 * noise.averaged * (rows / zero.rows) ** 0.5
 
 
 def _swinging(
@@ -178,10 +199,7 @@ def _peak(stroke: _Stroke) -> tuple[Peak, float]:
     F = stroke.profile.mean(places, stroke.length)
     top = int(np.argmax(F))
     noise, zero = stroke.noise, stroke.zero
-    unsure = 0.0
-    if zero.rule.startswith(("free", "drift")):
-        # The median of coloured noise: as that of independent averages over the length.
-        unsure = 1.25 * noise.averaged * (stroke.length / stroke.step / zero.rows) ** 0.5
+    unsure = _median_doubt(zero, noise, stroke.length / stroke.step)
     unsure = float(np.hypot(unsure, zero.drift))
     place = float(np.interp(places[top], stroke.travel, stroke.d))
     peak, wide = (highest(F, n.averaged, n.freedom, unsure) for n in (noise, stroke.doubt))

@@ -187,3 +187,16 @@ def test_the_interval_knows_that_a_few_slow_swings_tell_little():
         logs = [combing(SHAPES[name], 1500, sd=0.02, rng=s, noise=slow) for s in range(12)]
         covered += [a["D_low"] <= true <= a["D_high"] for a in map(end_of, logs)]
     assert np.mean(covered) >= 0.85
+
+
+def test_the_interval_of_d_knows_what_the_zero_is_off():
+    """A cell that drifts by 40 mN, zeroed at the free end: 10 mN are left where combing ends."""
+    d, covered = np.linspace(0, STROKE, 1500), []
+    F = np.clip(np.minimum(d / 0.005, (0.045 - d) / 0.02), 0, 1) * 0.5 + 0.04 * d / STROKE
+    true = 0.045 - RIG.end_fraction * 0.02
+    for seed in range(10):
+        noise = np.random.default_rng(seed).normal(0, 2e-3, len(d))
+        log = pd.DataFrame({"time": d * 100, "displacement": d, "force": F + noise})
+        found = end_of(log, RIG.model_copy(update={"zero": "free"}))
+        covered.append(found["D_low"] <= true <= found["D_high"])
+    assert np.mean(covered) >= 0.9
