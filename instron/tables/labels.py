@@ -51,12 +51,12 @@ class _Labels:
 
     def named(self) -> list[int]:
         """Return the columns whose heading names specimens, or files, materials and the like."""
-        return [i for i, words in self._headings() if words & LABELS and words <= LABELS | BESIDE]
+        return [i for i, words in self.beside() if words & LABELS and words <= LABELS | BESIDE]
 
     def worded(self) -> list[int]:
         """Return the columns that begin with a word, which is no stage of a test."""
         first = self.row(0)
-        return [i for i, words in self._headings()
+        return [i for i, words in self.beside()
                 if i < len(first) and first[i] and not looks_numeric(first[i])
                 and STAGE.isdisjoint(words.union(plain(first[i]).split()))]  # fmt: skip
 
@@ -77,7 +77,7 @@ class _Labels:
         firsts, lasts = ([self.row(row) for row in rows]
                          for rows in ([a for a, _ in runs], [b - 1 for _, b in runs]))  # fmt: skip
         found = []
-        for i, words in self._headings():
+        for i, words in self.beside():
             one, other = ([row[i] if i < len(row) else "" for row in rows]
                           for rows in (firsts, lasts))  # fmt: skip
             said = words.union(*(plain(cell).split() for cell in one))
@@ -86,7 +86,8 @@ class _Labels:
                 found.append(i)
         return found
 
-    def _headings(self) -> list[tuple[int, set[str]]]:
+    def beside(self) -> list[tuple[int, set[str]]]:
+        """Return the columns that are not in use, with the words of their headings."""
         used = set(self.body.header.used())
         names = enumerate(self.body.header.names)
         return [(i, set(plain(read_heading(n).name).split())) for i, n in names if i not in used]
@@ -112,7 +113,8 @@ def by_label(source: Source, bodies: list[Body], delimiter: str) -> list[Body]:
 
 def _parts(table: _Labels) -> list[Body]:
     body = table.body
-    if len(body.header.specimens) > 1:
+    alone = "time" in body.header.specimens[0] and not table.beside()
+    if len(body.header.specimens) > 1 or alone:
         return [body]
     restarts, named = _restarts(body), table.named()
     starts, labels = table.runs(named)

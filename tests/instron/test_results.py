@@ -168,3 +168,10 @@ def test_results_above_raw_data_name_the_specimens(tmp_path):
         "Results Table 1\n" + heading + results.splitlines(keepends=True)[0] + "\n" + blocks[0],
     )
     assert one.attrs["specimen"] == "p"
+
+
+@pytest.mark.parametrize("line", ["Specimen {}", "[Sample {}]", "Probe {},,"])
+def test_a_line_above_its_heading_names_a_specimen(line, tmp_path):
+    blocks = [line.format(k) + "\nTime (s),Stroke (mm),Force (N)\n" + TIMED for k in ("a1", "a2")]
+    names = [log.attrs["specimen"] for log in read(tmp_path, "\n".join(blocks))]
+    assert names == [line.format(k).strip("[],") for k in ("a1", "a2")]
