@@ -2,14 +2,15 @@
 
     python benchmarks/imaging_helix.py [goals] [coverage] [lab] [cables] [--renders 200]
     python benchmarks/imaging_helix.py unlike 36 [--first SEED]
+    python benchmarks/imaging_helix.py combed 40 --runs RUN.nc ...
 
 `goals`: the numbers asked of single helices. `coverage`: the share of the truth that 95 % intervals
 hold, over varied photographs (`helix_renders`), each drawn, segmented and measured from its pixels.
-`lab`: the photographs in data/, whose truth is a simulation, and the jumps of link density across
-the tine. `cables`: twelve megapixels of
-cables that do not wind. `unlike N`: intervals on N pictures by
-a renderer with other light (`helix_unlike`). The first three by default; --quick draws 12
-varied photographs and the smaller helices only.
+`lab`: the photographs in data/, whose truth is a simulation, with what is found on both sides of
+the tine. `cables`: twelve megapixels of cables that do not wind. `unlike N`: intervals on N
+pictures by a renderer with other light (`helix_unlike`). `combed N`: both sides of the tine in N
+renderings of combings that `combing simulate` left (`helix_combed`). The first three by default;
+--quick draws 12 varied photographs and the smaller helices only.
 """
 
 import argparse
@@ -18,25 +19,19 @@ import time
 from functools import partial
 from pathlib import Path
 
+import helix_combed
 import helix_unlike
 import numpy as np
 import pandas as pd
 from drawn.helix import SyntheticHelix, draw_helix
 from drawn.helix_accuracy import beside_truth, total_link_error, window_errors
+from helix_combed import Mean
 from helix_renders import COLOURS, SHAPES, is_dark, varied
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 from tqdm import tqdm
 
-from imaging import (
-    Photo,
-    Unmeasurable,
-    first_link,
-    jump_across,
-    link_before,
-    link_jump,
-    read_photo,
-)
+from imaging import Photo, Unmeasurable, first_link, read_photo
 from imaging.helix import helix
 from imaging.helix.measurement import HelixMeasurement
 from imaging.scale import from_marker
@@ -254,42 +249,28 @@ def lab() -> None:
         truth = seen_truth([strands[f"{path.stem}/{k}"] for k in (1, 2)], photo)
         name = path.stem.removeprefix("synthetic_")
         _report_lab(name, found, truth, seconds)
-        first = first or (first_link(found), link_in_space(truth))
-        _report_jump(name, found, truth, *first)
+        first = first or (first_link(found), helix_combed.link_in_space(truth))
+        _report_sides(name, found, truth, *first)
 
 
-def link_in_space(truth: pd.DataFrame) -> tuple[float, float]:
-    """Return the link density of strands before they are combed, as `first_link` has it."""
-    return link_before(partial(mean_between, truth), float(truth["s"].iloc[-1]))
-
-
-def mean_between(truth: pd.DataFrame, start: float, end: float) -> tuple[float, float]:
-    s = np.linspace(start, end, 2001)
-    return float(np.interp(s, truth["s"], truth["link"]).mean()), 0.0
-
-
-def _report_jump(
-    name: str,
-    found: HelixMeasurement,
-    truth: pd.DataFrame,
-    seen: tuple[float, float],
-    exact: tuple[float, float],
-) -> None:
+def _report_sides(name: str, found: HelixMeasurement, truth: pd.DataFrame, *rest: Mean) -> None:
+    """Print lambda_0, or what is found on both sides of the tine, over lambda_0."""
+    seen, exact = rest
     if found.tine is None:
         text = f"{seen[0]:.2f} +- {seen[1]:.2f} 1/m, of the strands {exact[0]:.2f}"
         report(f"{name}: lambda_0", "", text)
         return
-    jump = link_jump(found, seen)
-    # The same place on the strands: where the photograph shows the tine.
-    nearest = cKDTree(truth[["x", "y"]]).query(found.axis)[1]
-    place = float(np.interp(jump["tine"], found.phase["s"], truth["s"].to_numpy()[nearest]))
-    known = jump_across(partial(mean_between, truth), place, float(truth["s"].iloc[-1]), exact)
-    text = f"{jump['jump']:.2f} +- {jump['jump_sd']:.2f}, of the strands {known['jump']:.2f}"
-    report(f"{name}: jump over lambda_0", "within 0.06", text)
+    table = helix_combed.errors(found, truth, seen, exact)
+    shares = {what: percent_rms(one["error"]) for what, one in table.groupby("what")}
+    text = f"{shares['behind']:.1f} %, {shares['ahead']:.1f} %"
+    report(f"{name}: lambda over a pitch, RMS behind, ahead", "10 %, 1 or 3 %", text)
+    jump = table[table["what"] == "jump"].iloc[0]
+    text = f"{jump['error']:+.2f} +- {jump['sd']:.2f}, {found.phase['resolved'].mean():.0%}"
+    report(f"{name}: error of the jump over lambda_0; resolved", "0.06; 90 %", text)
 
 
 def _report_lab(name: str, found: HelixMeasurement, truth: pd.DataFrame, seconds: float) -> None:
-    known = found.phase["resolved"].to_numpy()
+    known = found.phase["by"].to_numpy() == "edges"
     nearest = cKDTree(truth[["x", "y"]]).query(found.axis[known])[1]
     # The true density falls where the strands end; the last pitch of the photograph is left out.
     inner = (truth["s"].to_numpy() < truth["s"].iloc[-1] - found.pitch)[nearest]
@@ -305,25 +286,17 @@ def _report_lab(name: str, found: HelixMeasurement, truth: pd.DataFrame, seconds
 
 def seen_truth(strands: list[np.ndarray], photo: Photo) -> pd.DataFrame:
     """Link density (s, link) of strands in space and where the photograph shows it (x, y)."""
-    import sim
     from combing.camera import project
     from combing.virtual_lab.helix_photos import PIXELS_PER_RADIUS
     from combing.virtual_lab.photographs import broadside, frame, smooth
-    from sim.topology import common_arclength, partners
 
     a, b = (smooth(strand) for strand in strands)
-    table = sim.link_density(a, b)
-    turns = abs(table.attrs["total_link"])
-    index, place = np.arange(len(b)), partners(a, b, turns)
-    middle = 0.5 * (a + np.column_stack([np.interp(place, index, b[:, k]) for k in range(3)]))
     views = (broadside([a, b]), np.array([0.0, 1, 0]), np.array([1.0, 0, 0]))
     pixel = RADIUS / PIXELS_PER_RADIUS
     cameras = [frame([a, b], q * view, pixel) for view in views for q in (1, -1)]
     fitting = [c for c in cameras if (c.size[1], c.size[0]) == photo.shape]
-    seen = max((project(middle, camera) for camera in fitting), key=lambda xy: _bright(photo, xy))
-    s = common_arclength(a, b, turns)[0]
-    link = np.interp(s, table["s"], table["link"])
-    return pd.DataFrame({"s": s, "link": link, "x": seen[:, 0], "y": seen[:, 1]})
+    truths = [helix_combed.truth_in([a, b], partial(project, camera=c)) for c in fitting]
+    return max(truths, key=lambda truth: _bright(photo, truth[["x", "y"]].to_numpy()))
 
 
 def _bright(photo: Photo, points: np.ndarray) -> float:
@@ -371,10 +344,11 @@ def goals(quick: bool) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("parts", nargs="*", metavar="goals, coverage, lab, cables, unlike N")
+    parser.add_argument("parts", nargs="*", metavar="PART, as above")
     parser.add_argument("--renders", type=int, default=200)
     parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--first", type=int, default=helix_unlike.FIRST, help="seed of `unlike`")
+    parser.add_argument("--first", type=int, help="first seed of `unlike` or `combed`")
+    parser.add_argument("--runs", nargs="+", type=Path, default=[], help="runs for `combed`")
     asked = parser.parse_args()
     parts = asked.parts or ["goals", "coverage", "lab"]
     if "goals" in parts:
@@ -385,9 +359,11 @@ def main() -> None:
         lab()
     if "cables" in parts:
         refusal()
+    count = next((int(part) for part in parts if part.isdigit()), 40)
     if "unlike" in parts:
-        count = next((int(part) for part in parts if part.isdigit()), 36)
-        helix_unlike.main(count, asked.first)
+        helix_unlike.main(count, asked.first or helix_unlike.FIRST)
+    if "combed" in parts:
+        helix_combed.main(asked.runs, count, asked.first or helix_combed.FIRST)
 
 
 if __name__ == "__main__":

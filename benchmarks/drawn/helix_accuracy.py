@@ -13,13 +13,14 @@ Array = np.ndarray
 def beside_truth(measured: HelixMeasurement, drawn: SyntheticHelix) -> pd.DataFrame:
     """Put every resolved point beside the truth at the nearest point of the true axis.
 
-    Both must be in pixels. Columns ``s, phi, link, sd`` as measured, ``true_s, true_phi,
+    Means by sides are left out (`imaging.helix.sides`). Both must be in pixels. Columns
+    ``s, phi, link, sd`` as measured, ``true_s, true_phi,
     true_link``, and ``miss``, the distance between the two axes [px].
     """
     table = measured.phase.assign(
         link=measured.link_density["link"], sd=measured.link_density["sd"]
     )
-    table = table[table["resolved"]]
+    table = table[table["resolved"] & (table["by"] != "sides")]
     s, distance = _foot(table[["x", "y"]].to_numpy(), drawn.truth)
     truth = {name: np.interp(s, drawn.truth["s"], drawn.truth[name]) for name in ("phi", "link")}
     return table[["s", "phi", "link", "sd"]].assign(

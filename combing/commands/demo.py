@@ -57,8 +57,10 @@ def error_lines(errors: pd.DataFrame) -> Iterator[str]:
     level = errors.loc[errors["item"].str.endswith("before"), "truth"].max()
     yield (
         f"  λ(s): RMS error {spread[0]:.2f} 1/m before the tine ({spread[0] / level:.2%} of λ), "
-        f"{', '.join(f'{one:.1f}' for one in spread[1:])} 1/m with the tine on its way"
+        f"{', '.join(f'{one:.1f}' for one in spread[1:])} 1/m ahead of the tine on its way"
     )
+    behind = errors.loc[errors["quantity"].str.contains("behind the tine"), "error"] / level
+    yield f"    over a pitch behind it {', '.join(f'{one:.1%}' for one in behind)} of λ before it"
     counts = errors[errors["quantity"].str.startswith("count")]
     total = counts[["measured", "truth"]].groupby(counts["quantity"], sort=False).sum()
     found = [

@@ -38,7 +38,8 @@ COLUMNS = {
     "R_sd": "its standard deviation [UNIT]",
     "x, y": "axis in the picture [px], pixel centres at whole numbers, x right, y down",
     "resolved": "whether the helix is measured there",
-    "by": "what tells it: edges followed, or half-turns counted from the colours",
+    "by": "what tells it: edges followed, half-turns counted from the colours, or the sides on "
+    "which strands hang behind a tine (sides: the mean over a pitch)",
     "front": "strand in front at a crossing",
     "sense": "+1 right-handed, -1 left-handed",
     "confidence": "width by which the front strand shows more than the other, over its width",
@@ -50,6 +51,7 @@ COLUMNS = {
     "and on the tip's side [1/UNIT], in the sense of the helix > 0",
     "jump": "(ahead - behind) / lambda_0",
     "tine": "arclength of the tine [UNIT]",
+    "turns, turns_sd": "link from root to tip [turns]; what is missing has left by the free end",
 }
 
 
@@ -285,7 +287,7 @@ def _data_md(unit: str) -> str:
         "colour of the strand in front at each crossing\n"
         "- `link.png`, `link.svg` link density and radius with 95 % bands\n"
         "- of a series: `profiles.csv`, `jumps.csv`, `kymograph.csv` (a column for each tine "
-        "position), `change.png` (dashed: the mean over the pitch behind the tine), "
+        "position), `change.png`, "
         "`kymograph.png` and the same as SVG\n\n"
         f"Lengths are in {unit}.\n\n| column | meaning |\n|---|---|\n{rows}\n"
     )

@@ -5,6 +5,7 @@ camera, by rendering a photograph of it. The difference is the error of the imag
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,7 @@ def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``s`` [m], ``link`` [1/m], ``sd`` [1/m]; ``attrs`` hold ``photo``, ``resolution`` [m],
+        As `link_table` has it; ``attrs`` hold ``photo``, ``resolution`` [m],
         ``total_link``, ``R``, ``r`` [m], ``lean`` [rad], ``warnings``, ``content`` (a hash),
         ``synthetic``, ``first`` (`imaging.first_link`) and ``jump``, `imaging.link_jump` as a
         function of lambda_0.
@@ -53,9 +54,13 @@ def measure_link(path: Path, chosen: LinkSet) -> pd.DataFrame:
 
 
 def link_table(found: HelixMeasurement) -> pd.DataFrame:
-    """Return the link density (s, link, sd) of a helix measured in metres, with its facts."""
-    table = found.link_density.copy()
+    """Return the link density (s, link, sd, sides) of a helix measured in metres, with its facts.
+
+    Where ``sides``, it is the mean over a pitch that is cut at the tine (`imaging.helix.sides`).
+    """
+    table = found.link_density.assign(sides=found.phase["by"] == "sides")
     table.attrs = {
+        "tine": found.tine,
         "resolution": found.resolution,
         "total_link": found.total_link,
         "R": found.R,
@@ -153,10 +158,12 @@ def tine_start(run: sim.Run) -> float:
     return float(np.dot(tine.position, way))
 
 
-def averaged(s: np.ndarray, link: np.ndarray, at: np.ndarray, width: float) -> np.ndarray:
-    """Mean of a link density over a window of `width` around every `at` (all in m)."""
+def averaged(
+    s: np.ndarray, link: np.ndarray, at: np.ndarray, width: float, end: float = np.inf
+) -> np.ndarray:
+    """Mean of a link density over a `width` around every `at`, cut at `end` (all in m)."""
     turns = np.concatenate([[0], np.cumsum((link[1:] + link[:-1]) / 2 * np.diff(s))])
-    low, high = np.maximum(at - width / 2, s[0]), np.minimum(at + width / 2, s[-1])
+    low, high = np.maximum(at - width / 2, s[0]), np.minimum(at + width / 2, min(s[-1], end))
     return (np.interp(high, s, turns) - np.interp(low, s, turns)) / np.maximum(high - low, 1e-12)
 
 
@@ -217,15 +224,17 @@ def _errors(chosen: LinkSet, photographed: list[pd.DataFrame]) -> pd.DataFrame:
 
 
 def _photo_errors(name: str, label: str, found: pd.DataFrame, true: pd.DataFrame) -> list[dict]:
-    seen = found[found["link"].notna()]
+    seen = found[found["link"].notna() & ~found["sides"]]
     s, link = true["s"].to_numpy(), true["link"].to_numpy()
     there = averaged(s, link, seen["s"].to_numpy(), found.attrs["resolution"])
-    difference = seen["link"].to_numpy() - there
-    mean = error_row(name, label, "mean λ", float(seen["link"].mean()), float(there.mean()), "1/m")
-    spread = mean | {
-        "quantity": "λ(s), RMS",
-        "measured": np.nan,
-        "truth": np.nan,
-        "error": rms(difference),
-    }
-    return [mean, spread]
+    row = partial(error_row, name, label)
+    rows = [row("mean λ", float(seen["link"].mean()), float(there.mean()), "1/m")]
+    spread = {"λ(s), RMS": rms(seen["link"].to_numpy() - there)}
+    behind = found[found["sides"] & (found["s"] < (found.attrs["tine"] or 0.0))]
+    if len(behind):
+        there = averaged(
+            s, link, behind["s"].to_numpy(), abs(1 / seen["link"].median()), found.attrs["tine"]
+        )
+        spread["λ over a pitch behind the tine, RMS"] = rms(behind["link"].to_numpy() - there)
+    unknown = {"measured": np.nan, "truth": np.nan}
+    return rows + [rows[0] | unknown | {"quantity": what, "error": e} for what, e in spread.items()]

@@ -37,10 +37,9 @@ def changes(
     Returns
     -------
     DataFrame
-        Columns set, source (experiment, simulation), curve (profile, behind, jump), d [m],
+        Columns set, source (experiment, simulation), curve (profile, jump), d [m],
         x = d/D (by the study's D, else the simulation's; NaN where neither is known), s [m] of a
-        profile, change, sd. A jump is that of `imaging.jump_across`; behind, the two ends of the
-        pitch behind the tine with its mean.
+        profile, change, sd. A jump is that of `imaging.jump_across`.
     """
     D = combed(chosen) or (combing_ends(run) if run is not None else np.nan)
     parts = _photographed(seen[0] if before is None else before, seen, positions, D)
@@ -61,11 +60,6 @@ def _photographed(
         if np.isfinite(found["jump"]):
             jump = {"change": found["jump"], "sd": found["jump_sd"]}
             parts.append(_rows("experiment", "jump", d, d / D, s=[np.nan], **jump))
-        if np.isfinite(found["behind"]):
-            mean, sd = found["behind"] / abs(rest) - 1, found["behind_sd"] / abs(rest)
-            end = found["tine"] - found["reach"]
-            ends = [max(end - 1 / abs(rest), 0.0), end]
-            parts.append(_rows("experiment", "behind", d, d / D, s=ends, change=mean, sd=sd))
     return parts
 
 

@@ -22,7 +22,7 @@ def draw_change(table: pd.DataFrame, *, synthetic: bool) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        Columns set, source, curve (profile, behind, jump), d, x, s, change, sd, as
+        Columns set, source, curve (profile, jump), d, x, s, change, sd, as
         `combing.compare.link_change.changes` makes it, of one set.
     synthetic : bool
         Whether the experiment comes from the virtual lab.
@@ -68,17 +68,16 @@ def bar_of_places(figure: Figure, panels: list[Axes], name: str, end: float) -> 
 def draw_profiles(panel: Axes, table: pd.DataFrame, source: str, end: float) -> None:
     """Draw a source's change over s with its sd at every place of the tine.
 
-    Dashed: means behind it. `table` and `end` are those of `placed`.
+    `table` and `end` are those of `placed`.
     """
     rows = table[(table["curve"] != "jump") & (table["source"] == source)]
     shades, norm = mpl.colormaps["viridis"], Normalize(0, end)
     panel.axhline(0, color="0.6", lw=0.8, dashes=(1, 2))
-    for (place, curve), one in rows.groupby(["place", "curve"]):
+    for place, one in rows.groupby("place"):
         s, shade = one["s"] * METRE_TO_MM, shades(0.92 * float(norm(float(str(place)))))
         low, high = one["change"] - one["sd"], one["change"] + one["sd"]
         panel.fill_between(s, low, high, color=shade, alpha=0.25, lw=0)
-        panel.plot(s, one["change"], color=shade, lw=1,
-                   ls="--" if curve == "behind" else "-")  # fmt: skip
+        panel.plot(s, one["change"], color=shade, lw=1)
     panel.set_ylabel(r"$\Delta\lambda/\lambda_0$")
 
 

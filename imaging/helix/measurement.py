@@ -25,6 +25,8 @@ WIDENING = 0.02, 0.2  # R, of itself and px
 MISFIT = 0.15  # strand radii; where outer edges miss the outline by more, the phase is another
 LOST = 0.05  # strand radii beyond noise; edges that miss the outline by more are not explained
 THROUGH = 0.75  # strand radii; strands closer to the axis would go through each other
+BY_SIDES = "sides"
+DRAWN_SD = 0.25  # rad; of a phase by sides, beside what its draws differ by
 HIDDEN = 0.5  # pitch; a longer gap may hide a whole turn
 
 
@@ -41,7 +43,8 @@ class HelixMeasurement:
         ``s``, ``link``, ``sd``: arclength from the root, link per length, its standard deviation.
     phase : DataFrame
         ``s``, ``phi``, ``sd``, ``R``, ``R_sd``, ``x``, ``y``, ``resolved``, ``by``: phase [rad],
-        helix radius, axis in the picture [px], and what tells them: edges, or half-turns counted.
+        helix radius, axis in the picture [px], and what tells them: edges, half-turns
+        counted, or behind a tine the sides on which the strands hang (``sides``).
     crossings : DataFrame
         ``s``, ``phi``, ``front``, ``sense``, ``confidence``: half-turns, the colour in front, +1
         where right-handed, and by how much of its width the front strand shows more than the other
@@ -67,6 +70,8 @@ class HelixMeasurement:
         Fitted centrelines [px], NaN where not resolved.
     fit : Fit or None
         The model fitted to edges, in pixels; None where half-turns were counted only.
+    draws : ((n,) array, (m, n) array) or None
+        Draws of the phase by sides (`imaging.helix.sides`) along the axis [px].
     """
 
     link_density: pd.DataFrame
@@ -89,6 +94,7 @@ class HelixMeasurement:
     strands: tuple[Array, Array]
     fit: Fit | None
     length_per_pixel: float
+    draws: tuple[Array, Array] | None = None
 
     @property
     def axis(self) -> Array:
@@ -109,14 +115,29 @@ class HelixMeasurement:
         rows = [int(np.abs(self.phase["s"] - s).argmin()) for s in (start, end)]
         if not self.phase["resolved"].iloc[rows].all() or rows[0] == rows[1]:
             return float("nan"), float("nan")
-        first, last = (self.phase.iloc[i] for i in rows)
-        length = last["s"] - first["s"]
-        if self.fit is not None and (self.phase["by"].iloc[rows] == "edges").all():
-            turns, sd = _turns(self.fit, *(self.phase.attrs["knot_s"][i] for i in rows))
-        else:
-            turns = (last["phi"] - first["phi"]) / (2 * np.pi)
-            sd = float(np.hypot(first["sd"], last["sd"])) / (2 * np.pi)
+        length = float(np.diff(self.phase["s"].iloc[rows])[0])
+        turns, sd = self._turns(rows)
         return turns / length, float(np.hypot(sd, turns * self.length_sd)) / length
+
+    def _turns(self, rows: list[int]) -> tuple[float, float]:
+        """Count turns between two rows, and their sd but for that of lengths."""
+        ends, by = self.phase.iloc[rows], self.phase["by"].iloc[rows]
+        if self.fit is not None and (by == "edges").all():
+            return _turns(self.fit, *(self.phase.attrs["knot_s"][i] for i in rows))
+        sd = float(np.linalg.norm(ends["sd"]))
+        turns = np.diff(ends["phi"])
+        if self.draws is not None and (by == BY_SIDES).any():
+            first, last = (self._drawn(row) for row in rows)
+            turns, sd = last - first, np.hypot(np.std(last - first), np.sqrt(2) * DRAWN_SD)
+        return float(np.mean(turns)) / (2 * np.pi), float(sd) / (2 * np.pi)
+
+    def _drawn(self, row: int) -> Array:
+        """Phase at a row as its draws have it; all the same where it is known otherwise."""
+        if self.draws is None or self.phase["by"].iloc[row] != BY_SIDES:
+            return np.array([self.phase["phi"].iloc[row]])
+        where, phases = self.draws
+        t = self.phase.attrs["knot_s"][row]
+        return np.array([np.interp(t, where, phi) for phi in phases])
 
 
 @dataclass(frozen=True)

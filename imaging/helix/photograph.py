@@ -29,6 +29,7 @@ from imaging.helix.measurement import HelixMeasurement, Start, measurement_of
 from imaging.helix.model import Layout, Model, offsets
 from imaging.helix.pair import THIN, linear_light, pair_membership, rough_radius, twisted_pair
 from imaging.helix.prior import PENALISED, Prior, first_prior
+from imaging.helix.sides import with_sides
 from imaging.helix.splines import knots
 from imaging.photo import Photo
 from imaging.scale import Scale, stated
@@ -208,11 +209,11 @@ def _measured(
     if counted is None:
         if by_edges is None:
             raise reason or Unmeasurable(NOTHING_WINDS)
-        return by_edges
+        return with_sides(by_edges, membership, axis)
     if by_edges is None or not borne_out(by_edges, counted):
         place = None if tine is None else nearest(axis, tine)
-        return from_counts(counted, place, _per_pixel(scale))
-    return by_edges
+        by_edges = from_counts(counted, place, _per_pixel(scale))
+    return with_sides(by_edges, membership, axis)
 
 
 def _by_edges(

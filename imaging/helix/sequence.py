@@ -29,7 +29,8 @@ class HelixSequence:
         ``frame, x, s, link, sd, change, change_sd``: ``change`` is (lambda(s) - lambda_0)/lambda_0,
         NaN where not resolved.
     jumps : DataFrame
-        One row per frame: ``frame, x`` and what `jump_across` gives.
+        One row per frame: ``frame, x``, ``turns`` from root to tip, what leaves by the free end
+        as the tine goes on, its sd, and what `jump_across` gives.
     measurements : tuple of HelixMeasurement
     """
 
@@ -93,7 +94,10 @@ def sequence_of(
         table["change"] = ratio - 1
         table["change_sd"] = np.hypot(table["sd"], ratio * lambda_0[1]) / abs(lambda_0[0])
         profiles.append(table[["frame", "x", "s", "link", "sd", "change", "change_sd"]])
-        jumps.append({"frame": number, "x": float(x), **link_jump(one, lambda_0)})
+        length = float(one.phase["s"].iloc[-1])
+        turns, sd = (length * value for value in mean_link(one, 0.0, length))
+        row = {"frame": number, "x": float(x), "turns": turns, "turns_sd": sd}
+        jumps.append(row | link_jump(one, lambda_0))
     return HelixSequence(
         pd.concat(profiles, ignore_index=True), pd.DataFrame(jumps), tuple(measured)
     )

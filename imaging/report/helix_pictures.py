@@ -2,7 +2,6 @@
 
 import cv2
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 
 from imaging.helix.measurement import HelixMeasurement
@@ -67,8 +66,7 @@ def link_figure(measured: HelixMeasurement) -> Figure:
 def sequence_figure(sequence: HelixSequence) -> Figure:
     """Change of link density along the axis for every tine position (the paper's Fig. 2e).
 
-    Where nothing is resolved over the pitch behind a tine, the mean there is dashed, with its 95 %
-    interval.
+    With 95 % bands; behind a tine each value is the mean over a pitch.
     """
     figure = Figure(figsize=(7, 4), layout="constrained")
     axes = figure.subplots()
@@ -82,16 +80,12 @@ def sequence_figure(sequence: HelixSequence) -> Figure:
         jump = sequence.jumps.iloc[number]
         if np.isfinite(jump["tine"]):
             axes.axvline(factor * jump["tine"], color=colour, ls=":", lw=0.8)
-            _mean_behind(axes, frame, jump, factor, colour)
     axes.axhline(0, color="0.6", lw=0.8)
     axes.set_xlabel(f"arclength $s$ from the root [{unit}]")
     axes.set_ylabel(r"change of link density $\Delta\lambda/\lambda_0$")
     axes.set_xlim(0, factor * sequence.profiles["s"].max())
-    means = sequence.jumps["behind"] / sequence.jumps["lambda_0"] - 1
-    _limit(axes, pd.concat([sequence.profiles["change"], means[sequence.jumps["tine"].notna()]]))
-    figure.legend(
-        loc="outside right upper", frameon=False, title="dotted: tine\ndashed: mean\nbehind it"
-    )
+    _limit(axes, sequence.profiles["change"])
+    figure.legend(loc="outside right upper", frameon=False, title="dotted: tine")
     return figure
 
 
@@ -125,19 +119,6 @@ def _readable(unit: str) -> tuple[float, str]:
 def _band(axes, s, value, sd, **style) -> None:  # type: ignore[no-untyped-def]
     (line,) = axes.plot(s, value, lw=1.4, **style)
     axes.fill_between(s, value - 1.96 * sd, value + 1.96 * sd, alpha=0.3, color=line.get_color())
-
-
-def _mean_behind(axes, frame, jump, factor, colour) -> None:  # type: ignore[no-untyped-def]
-    """Draw the mean change over the pitch behind the tine where nothing is resolved there."""
-    end = jump["tine"] - jump["reach"]
-    start = max(end - 1 / jump["lambda_0"], 0.0)
-    behind = frame["s"].between(start, end)
-    if frame["change"][behind].notna().any() or not np.isfinite(jump["behind"]):
-        return
-    mean, sd = jump["behind"] / jump["lambda_0"] - 1, jump["behind_sd"] / jump["lambda_0"]
-    span = [factor * start, factor * end]
-    axes.plot(span, [mean, mean], color=colour, ls="--", lw=1)
-    axes.fill_between(span, mean - 1.96 * sd, mean + 1.96 * sd, color=colour, alpha=0.15, lw=0)
 
 
 def _limit(axes, values) -> None:  # type: ignore[no-untyped-def]

@@ -194,9 +194,15 @@ def link_set(**more):
 
 
 def seen(run, d, photo):
-    table = simulated_link(run, d, 0.005)
-    table.attrs |= {"photo": photo, "resolution": 0.005, "lean": 0.0, "warnings": ["w"]}
-    none = {"jump": np.nan, "behind": np.nan}
+    table = simulated_link(run, d, 0.005).assign(sides=False)
+    table.attrs |= {
+        "tine": None,
+        "photo": photo,
+        "resolution": 0.005,
+        "lean": 0.0,
+        "warnings": ["w"],
+    }
+    none = {"jump": np.nan}
     table.attrs |= {"first": (table["link"].mean(), 0.0), "jump": lambda lambda_0: none}
     table.attrs |= {"synthetic": False}
     return table

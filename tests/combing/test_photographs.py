@@ -71,7 +71,7 @@ def test_a_set_without_any_measurement_is_an_error():
 def test_a_refused_photograph_takes_its_tine_position_with_it():
     seen = pd.DataFrame({"s": [0.0, 0.01], "link": [90.0, 110.0], "sd": [1.0, 1.0]})
     seen.attrs = {"photo": "b", "lean": 0.0, "resolution": 0.01, "warnings": [], "synthetic": False}
-    none = {"jump": np.nan, "behind": np.nan}
+    none = {"jump": np.nan}
     seen.attrs |= {"first": (100.0, 1.0), "jump": lambda lambda_0: none}
     chosen = LinkSet.model_construct(
         name="comb", photos=[Path("a.jpg"), Path("b.jpg")], positions=[0.01, 0.02],

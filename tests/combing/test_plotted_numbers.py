@@ -241,7 +241,7 @@ def seen(link, sd, photo):
     table = pd.DataFrame({"s": s, "link": np.full(41, link), "sd": np.full(41, sd)})
     table.attrs = {"photo": photo, "resolution": 0.005, "lean": 0.1, "warnings": []}
     table.attrs |= {"synthetic": False, "total_link": 0.1 * link, "R": 4e-4, "r": 4e-4}
-    none = {"jump": np.nan, "behind": np.nan}
+    none = {"jump": np.nan}
     table.attrs |= {"first": (link, sd), "jump": lambda lambda_0: none}
     return table
 
@@ -277,11 +277,10 @@ def change_rows(source, curve, x, s, change, sd):
 
 
 @pytest.mark.parametrize("scaled", [True, False])
-def test_change_figure_draws_profiles_means_and_jumps(scaled):
+def test_change_figure_draws_profiles_and_jumps(scaled):
     s = np.linspace(0.02, 0.1, 9)
     table = pd.concat([
         change_rows("experiment", "profile", 0.3, s, 2 * s, 0.1 * s),
-        change_rows("experiment", "behind", 0.3, [0.005, 0.015], -0.6, 0.07),
         change_rows("experiment", "jump", 0.5, [np.nan], 0.9, 0.2),
         change_rows("experiment", "jump", 0.3, [np.nan], 0.8, 0.05),
         change_rows("simulation", "profile", 0.3, s, 3 * s, 0.0),
@@ -291,14 +290,9 @@ def test_change_figure_draws_profiles_means_and_jumps(scaled):
     if not scaled:
         table["x"] = np.nan
     left, right, below, beside = draw_change(table, synthetic=False).axes[:4]
-    profile, behind = (one for one in left.lines if len(one.get_xdata()) in (9, 2) and
-                       one.get_linewidth() == 1)  # fmt: skip
-    profile, behind = sorted((profile, behind), key=lambda one: -len(one.get_xdata()))
+    (profile,) = (one for one in left.lines if one.get_linewidth() == 1)
     np.testing.assert_allclose(profile.get_xdata(), 1e3 * s)
     np.testing.assert_allclose(profile.get_ydata(), 2 * s)
-    np.testing.assert_allclose(behind.get_xdata(), [5, 15])
-    np.testing.assert_allclose(behind.get_ydata(), [-0.6, -0.6])
-    assert (profile.get_linestyle(), behind.get_linestyle()) == ("-", "--")
     place = 0.3 if scaled else 0.6  # of the way, or of the last place of a tine
     assert profile.get_color() == colormaps["viridis"](0.92 * place)
     for panel in (left, right):

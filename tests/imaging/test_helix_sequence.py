@@ -120,11 +120,18 @@ def test_the_link_before_leaves_a_pitch_out_at_either_end():
     assert link_before(mean, 0.2) == pytest.approx((100.0, 1.0))
 
 
-def test_nothing_is_claimed_where_the_strands_are_spread(sequence):
-    table = sequence.profiles
-    for frame, place in ((0, 0.4 * LENGTH), (1, 0.6 * LENGTH)):
-        near = (table["frame"] == frame) & ((table["s"] - place).abs() < 0.3 * PITCH)
-        assert table["change"][near].isna().all()
+def test_where_the_strands_are_spread_the_mean_over_a_pitch_is_by_their_sides(sequence):
+    for one, place, wound in zip(
+        sequence.measurements, (0.4 * LENGTH, 0.6 * LENGTH), (0.8, 0.7), strict=True
+    ):
+        s, sides = one.phase["s"], one.phase["by"] == "sides"
+        assert sides[(s - place).abs() < 0.3 * PITCH].all()
+        behind = sides & s.between(place - 0.6 * PITCH, place - 0.5 * PITCH)
+        link, sd = (one.link_density[name][behind] * PITCH for name in ("link", "sd"))
+        # Half a pitch that is wound and half of which 0.4 is not, cut at the tine.
+        true = wound * (1 - (0.4 - (place - s[behind] - 0.5 * PITCH) / PITCH))
+        assert ((link - true).abs() < 0.1).all()
+        assert ((link - true).abs() < 1.96 * sd).all()
 
 
 def test_kymograph_has_a_row_for_each_place(sequence):
