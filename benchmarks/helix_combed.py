@@ -126,8 +126,8 @@ def combed(runs: Sequence[Path], count: int, first: int) -> pd.DataFrame:
         path = runs[number % len(runs)]
         run, seed = open_run(path), first + number
         rng = np.random.default_rng(seed + 1_000_000)
-        moments = np.flatnonzero((run.displacements > 0.1 * run.displacements[-1])
-                                 & (run.displacements < 0.7 * run.displacements[-1]))  # fmt: skip
+        share = run.displacements / unlinking.combing_ends(run)
+        moments = np.flatnonzero((share > 0.15) & (share < 0.6))
         exact = (unlinking.first_link(run), 0.0)
         about = {"run": path.stem, "seed": seed}
         try:

@@ -198,7 +198,7 @@ def _measured(
         )
     bar = _bar(others, r) if tine is None else _disc(tine, r, others.shape)
     plain = find_axis(membership.sum(axis=0), r, root=root)
-    reason, by_edges, axis = None, None, smoothed(plain, 4 * r)
+    reason, start, by_edges, axis = None, None, None, smoothed(plain, 4 * r)
     try:
         start = _first_look(membership, plain, bar, r)
         axis = start.axis
@@ -212,6 +212,7 @@ def _measured(
         return with_sides(by_edges, membership, axis)
     if by_edges is None or not borne_out(by_edges, counted):
         place = None if tine is None else nearest(axis, tine)
+        place = place if start is None else _tine(start, bar, tine)[1]
         by_edges = from_counts(counted, place, _per_pixel(scale))
     return with_sides(by_edges, membership, axis)
 

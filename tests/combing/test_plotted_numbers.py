@@ -290,7 +290,7 @@ def test_change_figure_draws_profiles_and_jumps(scaled):
     if not scaled:
         table["x"] = np.nan
     left, right, below, beside = draw_change(table, synthetic=False).axes[:4]
-    (profile,) = (one for one in left.lines if one.get_linewidth() == 1)
+    (profile,) = (one for one in left.lines if len(one.get_xdata()) == 9)
     np.testing.assert_allclose(profile.get_xdata(), 1e3 * s)
     np.testing.assert_allclose(profile.get_ydata(), 2 * s)
     place = 0.3 if scaled else 0.6  # of the way, or of the last place of a tine
@@ -306,7 +306,6 @@ def test_change_figure_draws_profiles_and_jumps(scaled):
     heights = {(round(x, 6), round(y, 6)) for x, y in corners}
     for x in s:
         assert {(round(1e3 * x, 6), round(k * x, 6)) for k in (1.9, 2.1)} <= heights
-    assert {(5.0, -0.67), (5.0, -0.53), (15.0, -0.67), (15.0, -0.53)} <= heights
     (jumps,) = [one for one in right.containers if isinstance(one, ErrorbarContainer)]
     places = np.array([0.3, 0.5]) if scaled else np.array([30.0, 50.0])
     np.testing.assert_allclose(jumps.lines[0].get_xydata(), np.transpose([places, [0.8, 0.9]]))

@@ -125,7 +125,7 @@ def test_where_the_strands_are_spread_the_mean_over_a_pitch_is_by_their_sides(se
         sequence.measurements, (0.4 * LENGTH, 0.6 * LENGTH), (0.8, 0.7), strict=True
     ):
         s, sides = one.phase["s"], one.phase["by"] == "sides"
-        assert sides[(s - place).abs() < 0.3 * PITCH].all()
+        assert sides[(s - place).abs().between(3 * R, 0.3 * PITCH)].all()
         behind = sides & s.between(place - 0.6 * PITCH, place - 0.5 * PITCH)
         link, sd = (one.link_density[name][behind] * PITCH for name in ("link", "sd"))
         # Half a pitch that is wound and half of which 0.4 is not, cut at the tine.
