@@ -14,12 +14,14 @@ import numpy as np
 import pandas as pd
 from tqdm import tqdm
 
+from combing.commands.film import FilmOptions, measure
 from combing.errors import UserError, is_users_fault
 from combing.figures.style import write_pictures
 from combing.view import View, measure_pair, metres
 from imaging.helix.measurement import HelixMeasurement
 from imaging.helix.sequence import HelixSequence, first_link, kymograph, sequence_of
 from imaging.photo import Photo
+from imaging.photo.film import is_film
 from imaging.photo.region import FORMS as REGION_FORMS
 from imaging.report.helix_pictures import (
     draw_helix_overlay,
@@ -89,6 +91,13 @@ class Options:
     type=click.Path(path_type=Path),
     help="In a series: photo before combing; else the first one is taken.",
 )
+@click.option("--every", help="Of a film: a frame every so often, as 0.5s, or so far, as 1mm "
+              "[default: 1mm].")  # fmt: skip
+@click.option("--speed", help="Of a film: speed of the tine, as 1mm/s.")
+@click.option("--log", type=click.Path(path_type=Path),
+              help="Of a film: force log with times, instead of --speed.")  # fmt: skip
+@click.option("--start", help="Of a film: when the tine starts, as 2.5s; else it is seen.")
+@click.option("--jobs", type=click.IntRange(min=1), help="Of a film: processes; else all cores.")
 @click.option("--roi", help=f"Look only inside {REGION_FORMS}.")
 @click.option("--ignore", type=click.Path(), help="Mask picture; white is ignored.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
@@ -108,20 +117,29 @@ def command(
     ignore: str | None,
     as_json: bool,
     quiet: bool,
+    **film: Any,
 ) -> None:
     """Measure link density, radius and handedness of two strands wound round each other.
 
     The strands must differ in colour. With --positions or --x, the photographs are a series while
     a tine combs the helix: the change of link density and the jump across the tine are drawn too.
+    So are they of a film, with the force; called again it goes on where it stopped.
 
     \b
     Example:
       combing helix helix.jpg --scale marker:20mm -o out/
       combing helix frame_*.png --positions 10mm,30mm,50mm --combed 85mm --before rest.png \
         --scale 41px/mm -o out/
+      combing helix run.mp4 --every 2mm --log run.csv --scale 41px/mm -o out/
     """
     view = View.asked(scale, roi, ignore)
     options = Options(view, root, pair, _numbers("--tine", tine, (2, 3), float))
+    if is_film(photos[0]) or any(film.values()):
+        others = {"--tine": tine, "--positions": positions, "--combed": combed, "--x": x}
+        link = None if before is None else first_link(_measure(before, options)[1])
+        asked = FilmOptions(view, root, pair, link, as_json, quiet)
+        measure(photos, others, asked, output, film, _put)
+        return
     places = _scaled(positions, combed, x, len(photos))
     if before is not None and places is None:
         raise UserError("--before needs --positions or --x, one for each photograph")
