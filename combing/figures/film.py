@@ -41,7 +41,7 @@ def draw_film(
         _kymograph(figure, panels[-1], table, sequence, unit)
         panels[-1].set_xlabel("displacement $d$ of the tine (mm)")
         if table["d"].max() > 0:
-            panels[-1].set_xlim(0, MM * table["d"].max())
+            panels[-1].set_xlim(0, 1.02 * MM * table["d"].max())
     return figure
 
 

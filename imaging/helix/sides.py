@@ -23,6 +23,10 @@ OVERLAP = 0.7  # strand radii of h; strands nearer to each other show who is in 
 CLEAR = 0.2  # of a strand's width, by which the front one must show more
 CLOSE = (1.7, 0.7)  # strand radii; R and its sd where strands overlap
 BESIDE = (3.0, 1.5)  # strand radii; |v| and its sd where something hides the rear strand
+PARTED = (
+    1.5,
+    0.45,
+)  # rad, and pitches before a tine; the phase's sd there beside that of its draws
 SEEN = 0.05  # strand radii; error of h where both are seen
 WOUND = 1.5  # times as many turns a length as before combing, ahead of a tine
 HIDDEN = 0.5  # pitch; over more than that whole turns may be hidden
@@ -66,7 +70,11 @@ def with_sides(found: HelixMeasurement, membership: np.ndarray, axis: Axis) -> H
     scale, rng = _scale(level.value, level.weight > 0, g, r, pitch, tine), np.random.default_rng(0)
     h, v = (_draws(part, g[1], scale, rng) for part in (level, depth))
     rows = np.flatnonzero(~known[: ahead[0]] & (np.interp(t[: ahead[0]], g, lost) < 0.5))
-    return _filled(found, g, _phase(h, v, r), np.hypot(h, v), rows, (tine, pitch, t[ahead[0]]))
+    # How far strands part towards the viewer before a tine is not seen: up to a radian and more.
+    near = np.where(g < tine, PARTED[0] * np.exp(-(((tine - g) / (PARTED[1] * pitch)) ** 2)), 0.0)
+    phi = _phase(h, v, r)
+    phi[1:] += near * rng.standard_normal((DRAWS, 1))
+    return _filled(found, g, phi, np.hypot(h, v), rows, (tine, pitch, t[ahead[0]]))
 
 
 def _look(membership: np.ndarray, axis: Axis, g: Array, r: float) -> tuple[Look, float]:
