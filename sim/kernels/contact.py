@@ -103,6 +103,7 @@ def contact_forces(buf, n, dt, contact, friction):
         if friction is not None:
             scatter_couples(buf, contact, run)
         run += 1
+    load_nodes(buf, n)
 
 
 @kernel

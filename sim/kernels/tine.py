@@ -123,11 +123,7 @@ def facing_tine(buf, a, m, tines):
     """Return the curve of element a as seen from the start of tine m, its axis, and the reach."""
     g, now = tines.geometry[m], tines.now[m]
     axis, half = (g[3], g[4], g[5]), g[6]
-    start = at(buf, X0, X1, X2, a)
-    chord = minus(at(buf, X0, X1, X2, a + 1), start)
-    h = at(buf, H0, H1, H2, a)
-    first = (-h[0] / 3.0, -h[1] / 3.0, -h[2] / 3.0)
-    last = first
+    start, chord, first, last = curve_of(buf, X0, X1, X2, a)
     start = minus(start, along((now[3], now[4], now[5]), -half, axis))
     u = (2.0 * half * axis[0], 2.0 * half * axis[1], 2.0 * half * axis[2])
     return (start, chord, first, last), u, buf[RADIUS + a] + now[2]
@@ -258,8 +254,8 @@ def press_tine(buf, a, m, curve, u, low, high, reach, spring, tines, viscous):
         total, sum_s = total + size, sum_s + size * s
     push(buf, F0, F1, F2, a, minus(force, by_s), 1.0)
     push(buf, F0, F1, F2, a + 1, by_s, 1.0)
-    push(buf, P0, P1, P2, a, first, -1.0 / 3.0)
-    push(buf, P0, P1, P2, a, last, -1.0 / 3.0)
+    load_bend(buf, a, a, first)
+    load_bend(buf, a, a + 1, last)
     return force, total, sum_s
 
 

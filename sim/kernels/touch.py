@@ -1,7 +1,7 @@
 """Everything that touches: rods with rods and with tines."""
 
 from sim.kernels.compiled import kernel
-from sim.kernels.contact import contact_forces, load_nodes
+from sim.kernels.contact import contact_forces
 from sim.kernels.tine import place, tine_forces
 
 
@@ -13,4 +13,3 @@ def touching_loads(buf, n, time, dt, contact, friction, tines, tine_friction):
     if tines is not None:
         place(tines, time)
         tine_forces(buf, n, dt, tines, tine_friction)
-    load_nodes(buf, n)
