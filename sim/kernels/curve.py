@@ -13,7 +13,7 @@ gradient of an energy, and neither momentum nor angular momentum is made.
 
 from sim.kernels.compiled import formula, kernel
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.vectors import along, at, minus, push, put, weighted
+from sim.kernels.vectors import along, at, minus, push
 
 # Of the bend that a rod has. With all of it a stiff strand on a tine is held by the middles of its
 # elements; every second node swings free of that, and friction feeds the swing: the capstan of
@@ -80,53 +80,3 @@ def load_bend(buf, a, i, force):
     push(buf, F0, F1, F2, i - 1, force, left)
     push(buf, F0, F1, F2, i, force, -left - right)
     push(buf, F0, F1, F2, i + 1, force, right)
-
-
-@kernel
-def bend_centreline(buf, n):
-    """Fill the bulges of all elements and clear the forces on them.
-
-    Contact between rods acts on x_i + s (x_{i+1} - x_i) + s (1 - s) b. With turns Z = l^2 H/l at
-    nodes, b = -l/4 (Z_i + Z_{i+1}) is the parabola that is right to second order. A load F bends
-    the rod by more than its nodes see: the energy lacks F^2 (l^3 q/B + l p/S)/2 in the middle,
-    q = -7/128 + 9/4 a + 4 a^2, p = -15/128 + 5/2 a + 10 a^2, if a times the fourth difference of
-    the nodes is added to either side. KINK and SHARP = 16 a (`sim.effects`) make that nothing.
-    """
-    for i in range(1, n):
-        put(buf, Z0, Z1, Z2, i, bend_at(buf, X0, X1, X2, i, buf[KINK + i]))
-    for a in range(1, n):
-        put(buf, H0, H1, H2, a, bulge(buf, a))
-        buf[P0 + a] = buf[P1 + a] = buf[P2 + a] = 0.0
-
-
-@formula
-def bulge(buf, a):
-    """Return the bulge of element a from the turns at four nodes [m]."""
-    size, before, after = -0.25 * buf[LENGTH + a], buf[SHARP + a - 1], buf[SHARP + a + 1]
-    outer = weighted(
-        before, at(buf, Z0, Z1, Z2, a - 1), after, at(buf, Z0, Z1, Z2, a + 2), 0.0, (0.0, 0.0, 0.0)
-    )
-    return weighted(
-        size * (1.0 + before), at(buf, Z0, Z1, Z2, a),
-        size * (1.0 + after), at(buf, Z0, Z1, Z2, a + 1),
-        -size, outer,
-    )  # fmt: skip
-
-
-@kernel
-def load_nodes(buf, n):
-    """Hand the forces on bulges to the nodes, each to its six: the transpose of the above."""
-    for i in range(2, n):
-        size = 0.25 * buf[KINK + i]
-        far = size * buf[SHARP + i - 1] * buf[LENGTH + i - 2]
-        left = -size * (1.0 + buf[SHARP + i]) * buf[LENGTH + i - 1]
-        right = -size * (1.0 + buf[SHARP + i - 1]) * buf[LENGTH + i]
-        beyond = size * buf[SHARP + i] * buf[LENGTH + i + 1]
-        near = weighted(left, at(buf, P0, P1, P2, i - 1), right, at(buf, P0, P1, P2, i), 0.0, (0.0, 0.0, 0.0))
-        put(buf, Z0, Z1, Z2, i, weighted(
-            1.0, near, far, at(buf, P0, P1, P2, i - 2), beyond, at(buf, P0, P1, P2, i + 1)
-        ))  # fmt: skip
-    for i in range(1, n):
-        own, left, right = at(buf, Z0, Z1, Z2, i), buf[INV_LENGTH + i - 1], buf[INV_LENGTH + i]
-        push(buf, F0, F1, F2, i, minus(at(buf, Z0, Z1, Z2, i + 1), own), right)
-        push(buf, F0, F1, F2, i, minus(own, at(buf, Z0, Z1, Z2, i - 1)), -left)
