@@ -65,10 +65,12 @@ class _Labels:
 
         Nothing unless every run is long enough to be a specimen's, and called otherwise.
         """
-        starts = _changes(self.key(columns), len(self.body.lines)) if columns else []
-        if not starts or min(np.diff([0, *starts, len(self.body.lines)])) < FEWEST:
+        key, count = self.key(columns), len(self.body.lines)
+        starts = _changes(key, count) if columns else []
+        runs = list(pairwise([0, *starts, count]))
+        if not starts or any(b - a < FEWEST or key(a) != key(b - 1) for a, b in runs):
             return [], []
-        labels = _names(self.key(columns), starts)
+        labels = _names(key, starts)
         return (starts, labels) if all(labels) and len(set(labels)) == len(labels) else ([], [])
 
     def unlike(self, starts: Sequence[int]) -> list[int]:
