@@ -44,11 +44,11 @@ def test_a_column_that_counts_rows_or_steps_splits_nothing(tmp_path):
         np.testing.assert_allclose(log["force"], F[0])
 
 
-def test_a_column_that_counts_many_rows_is_no_label(tmp_path):
+def test_a_column_that_counts_every_few_of_many_rows_is_no_label(tmp_path):
     t = np.round(np.arange(30_000) * 0.02, 2)
     columns = t, np.round(t * 0.35, 4), np.round(3 * np.sin(t / 40) ** 2 + 0.001, 4)
     header = "Sample,Time (s),Extension (mm),Load (N)"
-    (log,) = read(tmp_path, header, range(len(t)), columns)
+    (log,) = read(tmp_path, header, np.arange(len(t)) // 7, columns)
     assert not log.attrs["warnings"]
 
 
