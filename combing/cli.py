@@ -18,6 +18,7 @@ COMMANDS = {
     "simulate": "combing.commands.simulate",
     "view": "combing.commands.view",
     "sweep": "combing.commands.sweep",
+    "fit": "combing.commands.fit",
     "compare": "combing.commands.compare",
     "claims": "combing.commands.claims",
     "paper": "combing.commands.paper",

@@ -30,7 +30,7 @@ def load_study(path: Path) -> Study:
         If the file does not exist or is not TOML, a key is unknown or missing, a value has the
         wrong type, a named file does not exist or is named twice, or two sets have one name.
     """
-    study = _load(Path(path), Study)
+    study = load_table(Path(path), Study)
     study._path = Path(path)
     for link in study.link:
         tine_positions(link)
@@ -51,11 +51,18 @@ def load_sweep(path: Path) -> Sweep:
         If the file does not exist or is not TOML, a key or a parameter is unknown, a value has the
         wrong type, or a point is no scene.
     """
-    return _load(Path(path), Sweep)
+    return load_table(Path(path), Sweep)
 
 
-def _load(path: Path, model: type[T]) -> T:
-    what = model.__name__.lower()
+def load_table(path: Path, model: type[T]) -> T:
+    """Read a TOML file as a model, as `load_study` does; names in it are relative to the file.
+
+    Raises
+    ------
+    StudyError
+        As of `load_study`.
+    """
+    what = model.__name__.lower().removesuffix("plan")
     if not path.is_file():
         raise StudyError(f"{path}: there is no such {what} file")
     try:
@@ -73,6 +80,8 @@ def _with_rig(content: dict[str, Any], path: Path) -> dict[str, Any]:
     """Name the file's own table [rig] in every set of logs that names no rig."""
     if not isinstance(content.get("rig"), dict):
         return content
+    if "logs" in content:  # a fit file is one set itself
+        return content | {"rig": path.name}
     sets = [one for kind, logs in LOGS.items() for one in content.get(kind, []) if logs in one]
     if not sets:
         raise StudyError(f"{path}: [rig]: there is no set with logs that need it")
