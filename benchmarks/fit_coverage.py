@@ -1,6 +1,6 @@
 """Coverage of `combing fit`: how often its 95 % region holds what a virtual lab was made with.
 
-    PYTHONPATH=. python benchmarks/fit_coverage.py OUT [labs]
+    PYTHONPATH=. python benchmarks/fit_coverage.py OUT [labs [jobs]]
 
 Short helices (P/r = 18, 35 mm). A lab is two specimens on a machine with offset, drift and noise,
 and the link density at two places of the tine, as a photograph would show it, off by 3 %. `labs` of
@@ -75,7 +75,7 @@ def specimens(plan: FitPlan, labs: np.ndarray) -> list[list[Member]]:
 
 
 def photographed(plan: FitPlan) -> list[Shot]:
-    shape = plan.members()[0][0].scene.rods[0].shape
+    shape = plan.nominal.rods[0].shape
     return [Shot(f"d = {1e3 * d:g} mm", d, shape.pitch, shape.height) for d in TINE]
 
 
@@ -140,11 +140,13 @@ def said(name: str, table: pd.DataFrame) -> None:
     )
 
 
-def simulated(plan: FitPlan, out: Path, labs: int) -> tuple[Emulator, list, np.ndarray]:
+def simulated(
+    plan: FitPlan, out: Path, labs: int, jobs: int | None
+) -> tuple[Emulator, list, np.ndarray]:
     """Simulate points and labs; return the emulator, the labs' runs and what they are of."""
     store, true = Store(out), lab_points(plan, labs)
     wanted = [*plan.members(), *specimens(plan, true)]
-    simulate_points([one for some in wanted for one in some], store)
+    simulate_points([one for some in wanted for one in some], store, jobs=jobs)
     runs = [[sim.open_run(store.path(one)) for one in some] for some in wanted]
     shots, points = photographed(plan), len(plan.members())
     values = [
@@ -172,8 +174,9 @@ def draw_ranks(tables: dict[str, pd.DataFrame], path: Path) -> None:
 
 def main() -> None:
     out, labs = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 60
+    jobs = int(sys.argv[3]) if len(sys.argv) > 3 else None
     plan = planned(out)
-    emulator, runs, true = simulated(plan, out, labs)
+    emulator, runs, true = simulated(plan, out, labs, jobs)
     rig, rng, shots = instron.load_rig(plan.rig), np.random.default_rng(7), photographed(plan)
     rows = [
         judged(emulator, plan, lab_of(r, shots, rig, rng), t)

@@ -83,7 +83,7 @@ def measure_lab(plan: FitPlan) -> Lab:
 def _shots(plan: FitPlan) -> tuple[list[Shot], list[str]]:
     if plan.link is None:
         return [], []
-    link, helix = plan.link, plan.members()[0][0].scene.rods[0].shape
+    link, helix = plan.link, plan.nominal.rods[0].shape
     assert isinstance(helix, Helix)  # noqa: S101 (a double helix has two)
     seen = [tried(measure_link, photo, link) for photo in link.photos]
     places, measured, notes = measured_only(link.name, seen)

@@ -88,10 +88,8 @@ def make_fit(plan: FitPlan, out: Path, *, jobs: int | None = None, quiet: bool =
         The rig or a log is at fault.
     """
     needs_sklearn()
-    scene = plan.members()[0][0].scene
-    notes = disagreements(
-        plan.title, [of_rig(plan.rig), of_scene("[fixed]", scene)], plan.allow_different
-    )
+    stated = [of_rig(plan.rig), of_scene("[fixed]", plan.nominal)]
+    notes = disagreements(plan.title, stated, plan.allow_different)
     lab = measure_lab(plan)
     store = Store(out)
     say_cost(plan, store, jobs)
@@ -116,8 +114,11 @@ def say_cost(plan: FitPlan, store: Store, jobs: int | None) -> None:
     """Say how many runs are missing, and about how long they will take."""
     members = [one for some in plan.members() for one in some]
     missing = list(store.missing(members).values())
+    if not missing:
+        log.info("all %d runs are there", len(members))
+        return
     seconds = sum(predicted_seconds(one.scene) for one in missing[:: plan.seeds]) * plan.seeds
-    workers = min(jobs or cores(), max(len(missing), 1))
+    workers = min(jobs or cores(), len(missing))
     log.info(
         "%d points of %d members, %d runs to simulate: about %.2g minutes of processor time, "
         "%.2g minutes on %d core%s",

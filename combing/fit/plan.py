@@ -14,11 +14,13 @@ from pydantic import (
 )
 
 import instron
-from combing.ensemble import Member
+import sim
+from combing.ensemble import Member, members
 from combing.study.files import File, Files
 from combing.study.load import load_table
-from combing.study.plan import Sweep, known_parameter
+from combing.study.plan import known_parameter
 from combing.study.sets import Facts, LinkSet, Table
+from sim import SceneError
 from sim.presets import DoubleHelix
 
 FITTED = ("friction", "E")  # what the preset calls them: E = factor times the rig's
@@ -86,7 +88,10 @@ class FitPlan(Table):
             raise ValueError(f"factor: {self.factor[0]:g} is not above 0")
         if self.link is not None and self.link.simulation is not None:
             raise ValueError("link: a fit simulates by itself; leave out 'simulation'")
-        self.sweep()
+        try:
+            self.members()
+        except SceneError as error:
+            raise ValueError(f"fixed: {error}") from None
         return self
 
     @property
@@ -95,23 +100,32 @@ class FitPlan(Table):
         r = float(self.fixed.get("r", DoubleHelix.model_fields["r"].default))
         return instron.load_rig(self.rig).rigidity * 4 / (math.pi * r**4)
 
+    @property
+    def nominal(self) -> sim.Scene:
+        """The helix that was combed, without imperfections or friction."""
+        return members("double_helix", self.fixed, None)[0].scene
+
     def unit(self) -> np.ndarray:
         """Return every point in the unit square of (friction, log factor), (points, 2)."""
         from scipy.stats import qmc  # half a second that --help need not wait
 
         return qmc.LatinHypercube(d=2, rng=np.random.default_rng(0)).random(self.points)
 
-    def sweep(self) -> Sweep:
-        """Return the sweep whose points the emulator is made of."""
-        friction, factor = from_unit(self.unit(), self.friction, self.factor).T
-        lists = {"friction": list(friction), "E": list(factor * self.young)}
-        content = {"preset": "double_helix", "fixed": self.fixed, "list": lists}
-        return Sweep.model_validate({**content, "title": self.title, "seeds": self.seeds})
-
     def members(self) -> list[list[Member]]:
-        """Return every run, point by point."""
-        every = self.sweep().members()
-        return [every[k : k + self.seeds] for k in range(0, len(every), self.seeds)]
+        """Return every run, point by point.
+
+        No two points have a seed in common: the same few specimens everywhere would pass for the
+        mean of all, and their differences for the scatter.
+        """
+        at = from_unit(self.unit(), self.friction, self.factor)
+        return [
+            members(
+                "double_helix",
+                {**self.fixed, "friction": float(friction), "E": float(factor * self.young)},
+                range(1 + k * self.seeds, 1 + (k + 1) * self.seeds),
+            )
+            for k, (friction, factor) in enumerate(at)
+        ]
 
 
 def from_unit(
