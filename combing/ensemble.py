@@ -32,12 +32,15 @@ class Member:
     seed : int or None
         What the imperfections are drawn from; None: the scene as drawn.
     scene : Scene
+    setting : mapping, optional
+        Mesh, step, speed and stiffness, where they were chosen for a tolerance.
     """
 
     preset: str
     parameters: Mapping[str, Any]
     seed: int | None
     scene: sim.Scene
+    setting: Mapping[str, float] | None = None
 
 
 def members(

@@ -38,7 +38,12 @@ def run_name(scene: sim.Scene) -> str:
 
 @contextmanager
 def trying(
-    scenes: Mapping[Key, sim.Scene], folder: Path, *, jobs: int | None = None, quiet: bool = False
+    scenes: Mapping[Key, sim.Scene],
+    folder: Path,
+    *,
+    jobs: int | None = None,
+    quiet: bool = False,
+    any_cost: bool = False,
 ) -> Iterator[Callable[[], dict[Key, sim.Run | Exception]]]:
     """Simulate scenes in processes of their own while the block does something else.
 
@@ -52,6 +57,8 @@ def trying(
         Processes at once; as many as there are cores when absent.
     quiet : bool
         Show no progress.
+    any_cost : bool
+        Simulate also what would take more than a week.
 
     Yields
     ------
@@ -70,7 +77,7 @@ def trying(
     if not missing:
         yield opened
         return
-    crew = Crew(missing, min(len(missing), jobs or cores()))
+    crew = Crew(missing, min(len(missing), jobs or cores()), any_cost=any_cost)
 
     def finished() -> dict[Key, sim.Run | Exception]:
         _watch(crew, len(missing), failed, quiet)
@@ -86,10 +93,15 @@ def trying(
 
 @contextmanager
 def simulating(
-    scenes: Mapping[Key, sim.Scene], folder: Path, *, jobs: int | None = None, quiet: bool = False
+    scenes: Mapping[Key, sim.Scene],
+    folder: Path,
+    *,
+    jobs: int | None = None,
+    quiet: bool = False,
+    any_cost: bool = False,
 ) -> Iterator[Callable[[], dict[Key, sim.Run]]]:
     """As `trying`, but what a scene raises is raised when all have ended."""
-    with trying(scenes, folder, jobs=jobs, quiet=quiet) as wait:
+    with trying(scenes, folder, jobs=jobs, quiet=quiet, any_cost=any_cost) as wait:
 
         def finished() -> dict[Key, sim.Run]:
             found = wait()

@@ -32,10 +32,14 @@ class Crew:
         Scenes by the path that their run is written to; started in this order.
     workers : int
         Processes at once.
+    any_cost : bool
+        Simulate also what would take more than a week.
     """
 
-    def __init__(self, scenes: Mapping[Path, sim.Scene], workers: int) -> None:
-        self._scenes = dict(scenes)
+    def __init__(
+        self, scenes: Mapping[Path, sim.Scene], workers: int, *, any_cost: bool = False
+    ) -> None:
+        self._scenes, self._any_cost = dict(scenes), any_cost
         self._numbers = {path: number for number, path in enumerate(self._scenes)}
         self._lives = dict.fromkeys(self._scenes, LIVES)
         self._workers = workers
@@ -46,7 +50,9 @@ class Crew:
         context = get_context("spawn")
         self._pool = ProcessPoolExecutor(self._workers, context, _adopt, (self._fractions,))
         self._futures: dict[Future, Path] = {
-            self._pool.submit(_simulate, self._numbers[path], self._scenes[path], path): path
+            self._pool.submit(
+                _simulate, self._numbers[path], self._scenes[path], path, self._any_cost
+            ): path
             for path in paths
         }
 
@@ -144,9 +150,9 @@ def _adopt(fractions: Any) -> None:
     end_with_parent()
 
 
-def _simulate(number: int, scene: sim.Scene, path: Path) -> None:
+def _simulate(number: int, scene: sim.Scene, path: Path, any_cost: bool) -> None:
     _report(number, 1e-9)  # under way: should the process die, this scene may be why
-    sim.simulate(scene, path, progress=partial(_report, number))
+    sim.simulate(scene, path, progress=partial(_report, number), any_cost=any_cost)
 
 
 def _report(number: int, fraction: float) -> None:

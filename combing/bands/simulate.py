@@ -29,6 +29,7 @@ def simulate_with_bands(
     jobs: int | None = None,
     fresh: bool = False,
     quiet: bool = True,
+    any_cost: bool = False,
 ) -> sim.Run:
     """Simulate a scene, the same on a coarser mesh, and an ensemble; keep the bands with the run.
 
@@ -49,6 +50,8 @@ def simulate_with_bands(
         Write also over a finished run of another scene.
     quiet : bool
         Show no progress.
+    any_cost : bool
+        Simulate also what would take more than a week.
 
     Returns
     -------
@@ -68,7 +71,8 @@ def simulate_with_bands(
     if path.exists() and not fresh:
         refuse_to_replace(path, scene)
     scenes = scenes_of_bands(scene, members, size)
-    with trying(scenes, path.parent / "runs", jobs=jobs, quiet=quiet) as wait:
+    folder = path.parent / "runs"
+    with trying(scenes, folder, jobs=jobs, quiet=quiet, any_cost=any_cost) as wait:
         outcomes = wait()
     found = _banded(outcomes, size)
     if isinstance(found, Exception):

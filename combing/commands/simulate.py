@@ -118,7 +118,10 @@ def command(
         made = made.model_copy(update={"until": "rest"})
     silent = quiet or as_json
     if tolerance is not None or error_bars:
-        run = _run_accurately(made, output, silent, tolerance, members * error_bars, fresh)
+        run = _run_accurately(
+            made, output, tolerance, members * error_bars,
+            fresh=fresh, quiet=silent, any_cost=any_cost,
+        )  # fmt: skip
     else:
         run = _run(made, output, silent, fresh=fresh, any_cost=any_cost)
     summary = _write(run, output)
@@ -185,7 +188,7 @@ def _run(scene: Scene, output: Path, quiet: bool, *, fresh: bool, any_cost: bool
 
 
 def _run_accurately(
-    scene: Scene, output: Path, quiet: bool, tolerance: str | None, members: int, fresh: bool
+    scene: Scene, output: Path, tolerance: str | None, members: int, *, fresh: bool, **how: bool
 ) -> Run:
     """Simulate to a tolerance if there is one, then with error bars if there are members."""
     from combing.bands import simulate_with_bands
@@ -193,14 +196,14 @@ def _run_accurately(
 
     path = output / "run.nc"
     record = None
-    with said_aloud("combing", quiet=quiet):
+    with said_aloud("combing", quiet=how["quiet"]):
         try:
             if tolerance is not None:
                 asked = as_tolerance(tolerance)
-                run = simulate_to_tolerance(scene, path, asked, fresh=fresh, quiet=quiet)
+                run = simulate_to_tolerance(scene, path, asked, fresh=fresh, **how)
                 scene, record, fresh = run.scene, read_tolerance(run), True
             if members:
-                run = simulate_with_bands(scene, path, members=members, fresh=fresh, quiet=quiet)
+                run = simulate_with_bands(scene, path, members=members, fresh=fresh, **how)
         except KeyboardInterrupt:
             click.echo(f"stopped; the same command goes on from {output / 'runs'}", err=True)
             raise

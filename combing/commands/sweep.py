@@ -74,6 +74,9 @@ def command(
       pi1 = [14, 48]                  # lowest, highest
       friction = [0.0, 0.3]
 
+    tolerance = "3%" chooses mesh, step, speed and stiffness of every point, and verifies its first
+    member by a second run.
+
     Every point is one file, named by a hash of its parameters and of the solver, and written when
     it is whole: whatever stops the command, the same command goes on. A point that fails is
     recorded with its reason, the others go on, and the exit code is 3. docs/sweep.md has more.
@@ -105,6 +108,8 @@ def _say(table: pd.DataFrame, output: Path, as_json: bool, quiet: bool) -> None:
     for _, row in table[table["state"] == "failed"].iterrows():
         click.echo(f"combing: {row['file']} failed: {row['reason']}", err=True)
     if not quiet:
+        if "held" in table and (off := (table["held"] == "no").sum()):
+            click.echo(f"{off} points exceed the tolerance: force_error, link_error in the table")
         count = table["state"].value_counts()
         parts = [
             f"{count[state]} {state}" for state in ("done", "failed", "missing") if state in count

@@ -14,6 +14,7 @@ from tqdm import tqdm
 
 import sim
 from combing.bands import simulating_with_bands
+from combing.compare.accurate import held_to
 from combing.compare.comparison import Comparison, Findings, all_errors, joined
 from combing.compare.holdings import holdings, overlooked, shared, spoken
 from combing.compare.jobs import Job, all_jobs, label
@@ -73,10 +74,14 @@ def compare(study: Study, out: Path, *, jobs: int | None = None, quiet: bool = F
         bench = _Bench(all_jobs(study, known))
         wanted = {key: scene for key, scene in bench.scenes.items() if key not in runs}
         banded = study.simulations if study.error_bars else ()
-        folder = out / "runs"
+        folder, said = out / "runs", [*overlooked(study), *shared(study)]
+        if study.tolerance is not None:
+            how = {"jobs": jobs, "quiet": quiet}
+            wanted, held = held_to(wanted, bench.alike, folder, study.tolerance, **how)
+            said += held
         with simulating_with_bands(wanted, folder, banded, jobs=jobs, quiet=quiet) as wait:
             bench.measure(quiet)
-            found = bench.compare(runs | wait(), [*overlooked(study), *shared(study)])
+            found = bench.compare(runs | wait(), said)
         return Result(_write(study, found, out), found.comparisons, found.left_out)
 
 
@@ -96,6 +101,11 @@ class _Bench:
     def scenes(self) -> dict[Hashable, sim.Scene]:
         """Scenes of the sets that are still well."""
         return {key: scene for job in self._jobs.values() for key, scene in job.scenes.items()}
+
+    @property
+    def alike(self) -> dict[Hashable, Hashable]:
+        """What those of one ensemble have in common."""
+        return {key: group for job in self._jobs.values() for key, group in job.alike.items()}
 
     def measure(self, quiet: bool) -> None:
         total = sum(job.photographs for job in self._jobs.values())

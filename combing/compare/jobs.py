@@ -36,6 +36,8 @@ class Job(Protocol):
         The set as the study states it.
     scenes : mapping
         What is simulated for it, by a key that says in messages which scene it is.
+    alike : mapping
+        What scenes that differ in their seed alone have in common, by key.
     photographs : int
         How many photographs are measured.
     """
@@ -43,6 +45,9 @@ class Job(Protocol):
     kind: str
     chosen: Any
     scenes: Scenes
+
+    @property
+    def alike(self) -> Mapping[Any, Any]: ...  # noqa: D102
 
     @property
     def photographs(self) -> int: ...  # noqa: D102
@@ -68,6 +73,7 @@ class ForceJob:
     """Force logs beside a simulation and Love's curve."""
 
     kind, photographs = "force", 0
+    alike: Mapping[Any, Any] = {}
 
     def __init__(self, chosen: ForceSet, scenes: Scenes) -> None:
         self.chosen, self.scenes = chosen, _own(chosen, scenes)
@@ -107,6 +113,11 @@ class SweepJob:
             (chosen.name, text): members[key].scene for text, key in self._keys.items()
         }
 
+    @property
+    def alike(self) -> Mapping[Any, Any]:
+        """Members of one value."""
+        return {key: (self.chosen.name, self._keys[key[1]][0]) for key in self.scenes}
+
     def check(self) -> list[str]:
         """Hold the rig of every value against its scene; one rig for all states r alone."""
         chosen, notes = self.chosen, []
@@ -143,6 +154,7 @@ class LinkJob:
     """Photographs of a double helix beside a simulation."""
 
     kind = "link"
+    alike: Mapping[Any, Any] = {}
 
     def __init__(self, chosen: LinkSet, scenes: Scenes) -> None:
         self.chosen, self.scenes = chosen, _own(chosen, scenes)
@@ -192,6 +204,7 @@ class CurlJob:
     """Photographs of curls beside simulated curls."""
 
     kind = "interactions"
+    alike: Mapping[Any, Any] = {}
 
     def __init__(self, chosen: CurlSet, scenes: Scenes, n_sec: int) -> None:
         self.chosen, self.scenes, self.n_sec = chosen, _own(chosen, scenes), n_sec

@@ -3,14 +3,28 @@
 import difflib
 import itertools
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, ConfigDict, Field, PositiveInt, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PositiveInt,
+    model_validator,
+)
 
 from combing.ensemble import Member, members
+from combing.errors import UserError
 from combing.study.sets import Table
-from sim import SceneError
+from combing.tolerance import Setting, as_tolerance, often
+from combing.tolerance.front import cheapest
+from combing.tolerance.setting import as_row, with_setting
+from combing.tolerance.simulate import DOUBLE
+from sim import Scene, SceneError
 from sim.presets import PRESETS
 
 Preset = Literal["double_helix", "curl"]
@@ -23,6 +37,14 @@ def _each_once(seeds: PositiveInt | list[int]) -> PositiveInt | list[int]:
     return seeds
 
 
+def _tolerance(value: Any) -> float:
+    try:
+        return as_tolerance(value)
+    except UserError as error:
+        raise ValueError(str(error).removeprefix("tolerance = ")) from None
+
+
+Tolerance = Annotated[float, BeforeValidator(_tolerance)]
 Seeds = Annotated[PositiveInt | list[int], AfterValidator(_each_once)]
 
 
@@ -72,6 +94,9 @@ class Sweep(Table):
         Points of a Latin hypercube between bounds.
     seeds : int or list of int
         Members of the ensemble at every point (`combing.ensemble`); left out, one run as drawn.
+    tolerance : float, optional
+        Largest error of f and lambda up to the first release: the setting of every point is chosen
+        for it, and verified by a second run of its first member (`combing.tolerance`).
     """
 
     title: str = "sweep"
@@ -81,6 +106,7 @@ class Sweep(Table):
     lists: dict[str, Values] = Field(default_factory=dict, alias="list")
     latin: Latin | None = None
     seeds: Seeds | None = None
+    tolerance: Tolerance | None = None
 
     @model_validator(mode="after")
     def _points_are_scenes(self) -> "Sweep":
@@ -117,11 +143,38 @@ class Sweep(Table):
         found = []
         for point in self.points():
             try:
-                found += members(self.preset, point, listed(self.seeds))
-            except SceneError as error:
+                some = members(self.preset, point, listed(self.seeds))
+                found += some if self.tolerance is None else accurate(some, self.tolerance)
+            except (SceneError, UserError) as error:
                 shown = ", ".join(f"{name} = {point[name]!r}" for name in self.varied)
                 raise ValueError(f"{error} (at {shown or 'the only point'})") from None
         return found
+
+
+def accurate(some: Sequence[Member], tolerance: float) -> list[Member]:
+    """Return members of one point with the setting that the first is predicted to need.
+
+    Raises
+    ------
+    UserError
+        They are none that the measured front is for.
+    """
+    setting = _cheapest(some[0].scene.model_dump_json(), tolerance)
+    return [
+        replace(one, scene=with_setting(often(one.scene), setting), setting=as_row(setting))
+        for one in some
+    ]
+
+
+def second(member: Member) -> Member:
+    """Return a member at the setting whose every error is twice as large: it verifies the first."""
+    setting = Setting(**member.setting or {}).scaled(DOUBLE)
+    return replace(member, scene=with_setting(member.scene, setting), setting=as_row(setting))
+
+
+@lru_cache(maxsize=4096)
+def _cheapest(scene: str, tolerance: float) -> Setting:
+    return cheapest(Scene.model_validate_json(scene), tolerance)[0]
 
 
 def known_parameter(name: str, preset: str) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from pydantic import Field, PositiveInt, PrivateAttr, model_validator
 
+from combing.study.plan import Tolerance
 from combing.study.sets import CurlSet, ForceSet, LinkSet, Table
 from combing.study.sweeps import SweepSet
 
@@ -23,6 +24,9 @@ class Study(Table):
     error_bars : bool
         Whether scenes that force, link and curl sets name are simulated with what 95 % bands need
         (`combing.bands`): seven runs for one. Sweeps are ensembles anyway.
+    tolerance : float, optional
+        Largest error of simulated f and lambda up to the first release: the setting of every
+        combing is chosen for it and verified (`combing.tolerance`).
     force, link, curl : list
         The comparisons, each a panel of its figure.
     sweep : list
@@ -32,6 +36,7 @@ class Study(Table):
     title: str
     n_sec: PositiveInt = 20
     error_bars: bool = False
+    tolerance: Tolerance | None = None
     force: list[ForceSet] = Field(default_factory=list)
     sweep: list[SweepSet] = Field(default_factory=list)
     link: list[LinkSet] = Field(default_factory=list)

@@ -1,22 +1,27 @@
 """Simulate the points of a sweep that a folder does not hold yet."""
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
 import pandas as pd
 
 import instron
 import sim
 from combing.ensemble import Member
+from combing.errors import UserError
 from combing.progress import Bar
 from combing.runs import scaled
-from combing.study.plan import Sweep
+from combing.study.plan import Sweep, second
 from combing.sweep.store import Store, part_of_points
 from combing.tables import write_table
+from combing.tolerance.errors import apart
 from combing.workers import Crew, cores
 
+ERRORS = ("force_error", "link_error")  # of a verified point, as shares
 BUSY = "another process is writing this run"  # sim.journal's words: no failure, it is on its way
 
 
@@ -72,7 +77,8 @@ def run_sweep(
     -------
     DataFrame
         One row a point: the varied parameters, seed, state (done, failed,
-        missing), f_max, D [m], w, reason, file.
+        missing), f_max, D [m], w, reason, file; with a tolerance force_error, link_error and held,
+        of the first member of every point.
 
     Raises
     ------
@@ -80,11 +86,40 @@ def run_sweep(
         The folder cannot be written to.
     """
     mine, store = part_of_points(sweep.members(), part), Store(out)
-    simulate_points(mine, store, jobs=jobs, retry=retry, quiet=quiet, start=start)
+    seconds = {} if sweep.tolerance is None else seconds_of(mine)
+    wanted = [*mine, *seconds.values()]
+    simulate_points(wanted, store, jobs=jobs, retry=retry, quiet=quiet, start=start)
     table = store.table(mine, sweep.varied)  # of the others it would be n times the whole's reading
+    if sweep.tolerance is not None:
+        errors = [_errors(one, seconds.get(k), store) for k, one in enumerate(mine)]
+        table = table.join(pd.DataFrame(errors, columns=list(ERRORS)))
+        worst = table[list(ERRORS)].max(axis=1)
+        said = np.where(worst <= sweep.tolerance, "yes", "no")
+        table["held"] = np.where(worst.notna(), said, "")
     about = f"{sweep.title}: {sweep.preset}; f_max and w scaled by l0 = 0.01 m, D in m"
     write_table(out / table_name(part), table, [about])
     return table
+
+
+def seconds_of(mine: Sequence[Member]) -> dict[int, Member]:
+    """Return, by its number, what verifies the first member of every point."""
+    first: dict[str, int] = {}
+    for k, one in enumerate(mine):
+        first.setdefault(json.dumps(dict(one.parameters), sort_keys=True), k)
+    return {k: second(mine[k]) for k in first.values()}
+
+
+def _errors(member: Member, other: Member | None, store: Store) -> dict[str, float]:
+    """Return how far a member is off its verification, from disk if it was compared before."""
+    if other is None or not (store.path(member).exists() and store.path(other).exists()):
+        return {}
+    known = store.results(other) or {}
+    if ERRORS[0] not in known:
+        with suppress(UserError):  # no curve before the first release: there is nothing to hold
+            runs = (sim.open_run(store.path(one)) for one in (other, member))
+            known = known | dict(zip(ERRORS, apart(*runs), strict=True))
+            store.succeed(other, known)
+    return {key: known[key] for key in ERRORS if key in known}
 
 
 def table_name(part: tuple[int, int]) -> str:

@@ -110,12 +110,13 @@ class Store:
 
 def statepoint(member: Member) -> dict[str, Any]:
     """Return what a point is, in plain values."""
-    return {
+    found = {
         "preset": member.preset,
         "parameters": dict(member.parameters),
         "seed": member.seed,
         "solver": model_version(),
     }
+    return found | ({"setting": dict(member.setting)} if member.setting else {})
 
 
 def part_of_points(points: Sequence[T], part: tuple[int, int]) -> list[T]:

@@ -5,7 +5,9 @@ from combing.tolerance.setting import Setting
 from combing.tolerance.simulate import (
     as_tolerance,
     in_words,
+    often,
     read_tolerance,
+    settle,
     simulate_to_tolerance,
     with_record,
 )
@@ -16,8 +18,10 @@ __all__ = [
     "as_tolerance",
     "in_words",
     "load_front",
+    "often",
     "pareto",
     "read_tolerance",
+    "settle",
     "simulate_to_tolerance",
     "with_record",
 ]

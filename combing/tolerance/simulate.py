@@ -58,13 +58,9 @@ def simulate_to_tolerance(
     jobs: int | None = None,
     fresh: bool = False,
     quiet: bool = True,
+    any_cost: bool = False,
 ) -> sim.Run:
     """Simulate a combing so that f and lambda(s) up to the first release are within a tolerance.
-
-    Strategy: the measured front names the cheapest setting. It is run beside a second one whose
-    every error is twice as large, so that their difference is the error of the first. Where that
-    exceeds the tolerance the setting is refined, and the run before serves as the second one, until
-    it is held, a refinement makes it no better, or four settings have been run.
 
     Parameters
     ----------
@@ -76,7 +72,7 @@ def simulate_to_tolerance(
         Where the run is written; all runs are kept in the folder `runs` beside it, and used again.
     tolerance : float
         Largest error of f over the highest f, and of lambda, averaged over a pitch, over 1/P.
-    jobs, fresh, quiet
+    jobs, fresh, quiet, any_cost
         As in `combing.bands.simulate_with_bands`.
 
     Returns
@@ -94,7 +90,37 @@ def simulate_to_tolerance(
     path = Path(path)
     if path.exists() and not fresh:
         _refuse_to_replace(path, scene)
-    asked, scene = scene, _often(scene)
+    folder = path.parent / "runs"
+    run, record = settle(scene, folder, tolerance, jobs=jobs, quiet=quiet, any_cost=any_cost)
+    with_record(run, record).save(path)
+    return sim.open_run(path)
+
+
+def settle(
+    scene: sim.Scene, folder: Path, tolerance: float, **how: Any
+) -> tuple[sim.Run, dict[str, Any]]:
+    """Return the run of a combing that holds a tolerance, and what was found on the way.
+
+    Strategy: the measured front names the cheapest setting. It is run beside a second one whose
+    every error is twice as large, so that their difference is the error of the first. Where that
+    exceeds the tolerance the setting is refined, and the run before serves as the second one, until
+    it is held, a refinement makes it no better, or four settings have been run.
+
+    Parameters
+    ----------
+    scene, tolerance
+        As of `simulate_to_tolerance`.
+    folder : Path
+        Where all runs are kept.
+    how
+        jobs, quiet and any_cost of `combing.runs.simulating`.
+
+    Returns
+    -------
+    (Run, dict)
+        The dict as of `read_tolerance`.
+    """
+    asked, scene = scene, often(scene)
     setting, predicted = cheapest(scene, tolerance)
     chosen = with_setting(scene, setting)
     if not is_of_this_solver():
@@ -104,8 +130,7 @@ def simulate_to_tolerance(
         "%s: predicted error %.2g %%, about %.2g s of processor time and %.2g s to verify it",
         setting, 100 * predicted, predicted_seconds(chosen), predicted_seconds(second),
     )  # fmt: skip
-    folder = path.parent / "runs"
-    with simulating({0: chosen, 1: second}, folder, jobs=jobs, quiet=quiet) as wait:
+    with simulating({0: chosen, 1: second}, folder, **how) as wait:
         runs = wait()
     run = runs[0]
     tries = [Try(setting, predicted, _error(run, runs[1], DOUBLE), _seconds(runs.values()))]
@@ -114,15 +139,14 @@ def simulate_to_tolerance(
         setting, before = setting.scaled(1 / factor), run
         wanted = {0: with_setting(scene, setting)}
         _say_failed(tries[-1], tolerance, predicted_seconds(wanted[0]))
-        with simulating(wanted, folder, jobs=jobs, quiet=quiet) as wait:
+        with simulating(wanted, folder, **how) as wait:
             run = wait()[0]
         found = _error(run, before, factor)
         tries.append(Try(setting, tries[-1].found.worst / factor, found, _seconds([run])))
-    with_record(run, _record(scene, tolerance, tries) | {"asked": _digest(asked)}).save(path)
-    return sim.open_run(path)
+    return run, _record(scene, tolerance, tries) | {"asked": _digest(asked)}
 
 
-def _often(scene: sim.Scene) -> sim.Scene:
+def often(scene: sim.Scene) -> sim.Scene:
     """Return the scene with at least SNAPSHOTS: lambda is compared between them."""
     output = scene.output
     often = output.model_copy(update={"snapshots": max(output.snapshots, SNAPSHOTS)})
