@@ -5,13 +5,17 @@
 The same points are simulated by hand one after another, by `combing sweep` on one worker, and on
 two. The start of a worker (imports, compiled kernels from the cache) is measured by a sweep of one
 point and counted apart. The store is measured on points that are described but never simulated.
+Processor time (of this process and those it started) is what a busy machine leaves untouched; the
+efficiency of two workers is of wall time and means something on a quiet one alone.
 """
 
 import contextlib
+import os
 import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 import sim
 from combing.ensemble import Member, members
@@ -29,14 +33,21 @@ def drawn(count: int) -> list[Member]:
     return members("double_helix", TINY, range(1, count + 1))
 
 
-def timed(work) -> float:
-    began = time.perf_counter()
+class Time(NamedTuple):
+    """Seconds, of the clock and of processors."""
+
+    wall: float
+    cpu: float
+
+
+def timed(work) -> Time:
+    began, before = time.perf_counter(), sum(os.times()[:4])
     work()
-    return time.perf_counter() - began
+    return Time(time.perf_counter() - began, sum(os.times()[:4]) - before)
 
 
-def by_hand(chosen: list[Member]) -> float:
-    """Return the time of simulating, writing and measuring the points in this process [s]."""
+def by_hand(chosen: list[Member]) -> Time:
+    """Return the time of simulating, writing and measuring the points in this process."""
     with tempfile.TemporaryDirectory() as folder:
         paths = [Path(folder) / run_name(one.scene) for one in chosen]
 
@@ -48,8 +59,8 @@ def by_hand(chosen: list[Member]) -> float:
         return timed(work)
 
 
-def by_sweep(chosen: list[Member], jobs: int) -> float:
-    """Return the time of `combing sweep` [s]."""
+def by_sweep(chosen: list[Member], jobs: int) -> Time:
+    """Return the time of `combing sweep`."""
     with tempfile.TemporaryDirectory() as folder:
         store = Store(Path(folder))
         return timed(lambda: simulate_points(chosen, store, jobs=jobs, quiet=True))
@@ -66,7 +77,7 @@ def of_store(count: int) -> dict[str, float]:
             "describe": lambda: [store.describe(one) for one in chosen],
             "tabulate": lambda: store.table(chosen, ["pi1"]),
         }
-        return {name: timed(work) / count for name, work in works.items()}
+        return {name: timed(work).cpu / count for name, work in works.items()}
 
 
 def main() -> None:
@@ -75,13 +86,17 @@ def main() -> None:
     with contextlib.suppress(sim.Unstable):
         by_hand(chosen[:1])  # compiles
     hand = by_hand(chosen)
-    start = by_sweep(chosen[:1], 1) - hand / count
+    first = by_sweep(chosen[:1], 1)
     one, two = by_sweep(chosen, 1), by_sweep(chosen, 2)
-    extra = (one - start - hand) / count
-    print(f"{count} points of {hand / count:.2f} s; seconds of wall time")
-    print(f"start of a worker            {start:8.2f} s, once")
-    print(f"added a point, one worker    {extra:8.3f} s, {extra / (hand / count):.1%} of it")
-    print(f"efficiency of two workers    {(one - start) / (2 * (two - start)):8.1%}")
+    each_by_hand = hand.cpu / count
+    start = first.cpu - each_by_hand
+    extra = (one.cpu - start - hand.cpu) / count
+    waits = first.wall - hand.wall / count
+    print(f"{count} points of {each_by_hand:.2f} s of processor time")
+    print(f"start of a worker            {start:8.2f} s of processor time, once")
+    print(f"added a point, one worker    {extra:8.3f} s, {extra / each_by_hand:.1%} of it")
+    efficiency = (one.wall - waits) / (2 * (two.wall - waits))
+    print(f"efficiency of two workers    {efficiency:8.1%} by clock; load {os.getloadavg()[0]:.1f}")
     each = of_store(STORED)
     for name, cost in each.items():
         print(f"store, to {name:10s} a point  {1e3 * cost:7.3f} ms")

@@ -53,7 +53,7 @@ def _draw_posterior(panel: Axes, fit: Any) -> None:
     ridge = found.ridge()
     panel.plot(*ridge.T, color="black", lw=0.8)
     panel.plot(*found.best, "+", color="black", ms=8)
-    panel.set(yscale="log", xlim=found.friction, ylim=found.factor)
+    panel.set(yscale="log", **_limits(fit))
     panel.set(xlabel=r"friction $\mu$", ylabel="rigidity over the rig's")
     said: list[tuple[str, dict[str, Any]]] = [
         ("50 and 95 % of the posterior", {"color": SHADES[1], "lw": 5}),
@@ -63,6 +63,19 @@ def _draw_posterior(panel: Axes, fit: Any) -> None:
     for label, look in said:
         panel.plot([], [], label=label, **look)
     panel.legend(loc="upper right", fontsize=7)
+
+
+def _limits(fit: Any) -> dict[str, tuple[float, float]]:
+    """Show where either posterior is, not all that was possible."""
+    axes = [np.array([one.axes[k][[0, -1]] for one in (fit.posterior, fit.level_alone)])
+            for k in (0, 1)]  # fmt: skip
+    (a, b), (c, d) = ((float(one.min()), float(one.max())) for one in axes)
+    room = 0.1 * (b - a), (d / c) ** 0.1
+    low, high = fit.posterior.friction
+    return {
+        "xlim": (max(a - room[0], low), min(b + room[0], high)),
+        "ylim": (c / room[1], d * room[1]),
+    }
 
 
 def _draw_curve(panel: Axes, fit: Any) -> None:
