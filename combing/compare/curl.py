@@ -9,6 +9,8 @@ from scipy import stats
 
 import imaging
 import sim
+from combing.bands import read_bands
+from combing.bands.quantities import SECTIONS
 from combing.compare.comparison import Comparison, error_row, says_synthetic, stacked
 from combing.compare.curl_views import over_sections, over_views, seen_from, strand_table
 from combing.photographs import Refused, content_of, measured_only
@@ -83,7 +85,18 @@ def simulated_curl(run: sim.Run, sample: str, n_sec: int) -> pd.DataFrame:
     found = count_interactions(project_curl(run), 1.0, n_sec)
     lines = run.strands(-1)
     found.attrs |= {"sample": sample, "lines": lines, "views": over_views(lines, n_sec)}
+    found.attrs["bands"] = _bands(run) if n_sec == SECTIONS else {}
     return found
+
+
+def _bands(run: sim.Run) -> dict[int, tuple[float, float]]:
+    """Return the band of one more specimen's density of each N, where the run carries bands."""
+    if (bands := read_bands(run)) is None:
+        return {}
+    rows = bands.numbers.dropna(subset=["low", "high"])
+    rows = rows[rows["quantity"].str.startswith("rho_")]
+    places = zip(rows["quantity"], rows["low"], rows["high"], strict=True)
+    return {int(name.removeprefix("rho_")): (max(low, 0.0), high) for name, low, high in places}
 
 
 def compare_curl(
@@ -156,7 +169,10 @@ def _lead(name: str, source: str, curls: Sequence[pd.DataFrame]) -> pd.DataFrame
 
 
 def _densities(name: str, source: str, found: pd.DataFrame) -> pd.DataFrame:
-    """Density over the whole curl of each N [1/m], with its 95 % interval over the sections."""
+    """Density over the whole curl of each N [1/m], with its 95 % interval over the sections.
+
+    A simulated curl that carries bands has those of one more specimen instead.
+    """
     groups = found.groupby("N")
     count, sections = groups["count"].sum(), groups["density"]
     half = stats.t.ppf(0.975, sections.count() - 1) * sections.sem()
@@ -164,6 +180,9 @@ def _densities(name: str, source: str, found: pd.DataFrame) -> pd.DataFrame:
     table = pd.DataFrame(
         {"count": count, "density": density, "low": density - half, "high": density + half}
     )
+    for n, ends in found.attrs.get("bands", {}).items():
+        if n in table.index:
+            table.loc[n, ["low", "high"]] = ends
     named = table.reset_index().assign(set=name, source=source, sample=found.attrs["sample"])
     return named[["set", "source", "sample", "N", "count", "density", "low", "high"]]
 

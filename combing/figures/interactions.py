@@ -41,7 +41,8 @@ def draw_interactions(table: pd.DataFrame, *, n_sec: int, synthetic: bool) -> Fi
 def draw_bars(panel: Axes, rows: pd.DataFrame) -> None:
     """Draw mean densities of one set with their sd over curls, and single curls as dots.
 
-    Of one curl alone the bars are the interval over its sections. One source alone stands above N.
+    Of one curl alone the bars are its own interval, over its sections or, of a simulation that
+    carries bands, of one more specimen. One source alone stands above N.
     """
     alone = rows["source"].nunique() == 1
     for source, (colour, shift) in LOOKS.items():
@@ -53,9 +54,11 @@ def draw_bars(panel: Axes, rows: pd.DataFrame) -> None:
         samples, mean = density.shape[1], density.mean(axis=1)
         label = f"{source}, {samples} curl{'s' if samples > 1 else ''}"
         panel.bar(density.index, mean, BAR, color=colour, label=label)
-        half = own.groupby("N")["high"].first().to_numpy() - mean
-        spread = density.std(axis=1, ddof=1) if samples > 1 else half
-        panel.errorbar(density.index, mean, spread, fmt="none", ecolor="black", capsize=2)
+        middle, half = mean, density.std(axis=1, ddof=1)
+        if samples == 1:
+            low, high = own.groupby("N")[["low", "high"]].first().to_numpy().T
+            middle, half = (low + high) / 2, (high - low) / 2
+        panel.errorbar(density.index, middle, half, fmt="none", ecolor="black", capsize=2)
         for sample in density:
             panel.plot(density.index, density[sample], ".", ms=3, color="black", alpha=0.5)
     panel.set_ylim(bottom=0)

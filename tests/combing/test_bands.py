@@ -6,6 +6,7 @@ import shutil
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.container import ErrorbarContainer
 
 import instron
 import sim
@@ -18,12 +19,15 @@ from combing.bands.scenes import RATIO, coarser, scenes_of_bands
 from combing.bands.store import with_bands
 from combing.cli import main
 from combing.compare.bench import compare
+from combing.compare.curl import compare_curl
 from combing.ensemble import perturbed
 from combing.errors import UserError
 from combing.figures.force import draw_force
+from combing.figures.interactions import draw_interactions
 from combing.figures.run import draw_run
 from combing.runs import simulating
 from combing.study.load import load_study
+from combing.study.sets import CurlSet
 
 BRIEF = {"pi1": 18, "turns": 3, "q": 2, "speed": 0.5, "snapshots": 4, "elements_per_pitch": 6}
 
@@ -181,6 +185,16 @@ def test_a_simulated_curl_is_counted_and_kept(tmp_path):
         list(Quantities(run).scalars().values())
     )
     assert with_bands(run, bands).data.identical(run.data)
+    path = tmp_path / "run.nc"
+    chosen = CurlSet.model_construct(name="c", strands=None, simulations=[path], truth=None)
+    for n_sec in (20, 10):  # the bands are of 20 sections
+        plotted = compare_curl(chosen, [], {path: run}, n_sec).plotted
+        (panel,) = draw_interactions(plotted, n_sec=n_sec, synthetic=False).axes
+        (whiskers,) = [one for one in panel.containers if isinstance(one, ErrorbarContainer)]
+        ends = np.array(whiskers.lines[2][0].get_segments())[:, :, 1]
+        said = bands.numbers.set_index("quantity").loc[[f"rho_{n}" for n in plotted["N"]]]
+        same = np.isclose(ends, said[["low", "high"]].clip(lower=[0, -np.inf], axis=1))
+        assert same.all() == (n_sec == 20)
 
 
 def test_the_command_writes_bands_and_draws_them(tmp_path, capsys):
