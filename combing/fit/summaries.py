@@ -78,7 +78,7 @@ class Shot:
     pitch, length : float
         Of the helix before combing [m].
     seen : DataFrame, optional
-        ``s`` [m], ``link`` and ``sd`` [1/m], with ``resolution`` [m] in its attributes; without it
+        As `combing.compare.link.link_table` has it; without it
         all PLACES are looked at, with lambda averaged over a pitch.
     """
 
@@ -94,7 +94,9 @@ class Shot:
             self._read(seen)
 
     def _read(self, seen: pd.DataFrame) -> None:
-        known = seen.dropna(subset=["link", "sd"])
+        known = seen[~seen["sides"]].dropna(
+            subset=["link", "sd"]
+        )  # those are means cut at the tine
         far = self.resolution / 2
         self.places = [s for s in self.places if (known["s"] - s).abs().min() < far]
         for column, into in (("link", self.values), ("sd", self.sd)):

@@ -179,11 +179,12 @@ def test_a_photograph_is_looked_at_where_it_shows_link():
     s = np.linspace(0, 0.04, 81)
     seen = pd.DataFrame({"s": s, "link": -130.0, "sd": 2.0})
     seen.loc[(s > 0.02) & (s < 0.03), "link"] = np.nan
+    seen["sides"] = s < 0.012  # averaged otherwise
     seen.attrs["resolution"] = 0.004
     shot = Shot("one", 0.01, pitch=0.008, length=0.04, seen=seen)
-    assert len(shot.names) == 3  # 24 mm is not resolved
-    assert shot.values == pytest.approx([130 * 0.008] * 3)
-    assert shot.sd == pytest.approx([0.016] * 3)
+    assert len(shot.names) == 2  # 24 mm is not resolved, 8 mm averaged otherwise
+    assert shot.values == pytest.approx([130 * 0.008] * 2)
+    assert shot.sd == pytest.approx([0.016] * 2)
     run = sim.simulate(sim.double_helix(pi1=24, turns=4, elements_per_pitch=6, speed=2.0))
     pitch = 24 * 4.25e-4
     before = Shot("before", 0.0, pitch=pitch, length=4 * pitch)
