@@ -73,7 +73,8 @@ def with_sides(found: HelixMeasurement, membership: np.ndarray, axis: Axis) -> H
     # How far strands part towards the viewer before a tine is not seen: up to a radian and more.
     near = np.where(g < tine, PARTED[0] * np.exp(-(((tine - g) / (PARTED[1] * pitch)) ** 2)), 0.0)
     phi = _phase(h, v, r)
-    phi[1:] += near * rng.standard_normal((DRAWS, 1))
+    off = rng.standard_normal((DRAWS, 1))
+    phi[1:] += near * (off - off.mean())
     return _filled(found, g, phi, np.hypot(h, v), rows, (tine, pitch, t[ahead[0]]))
 
 
