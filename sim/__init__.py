@@ -7,15 +7,22 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from sim.equilibrium import equilibrium
     from sim.errors import NotAtRest, SceneError, Unstable
+    from sim.network import ContactNetwork, contact_network, nearest_strand
     from sim.presets import curl, double_helix
     from sim.run import Run, open_run
     from sim.scene import Scene
     from sim.scene_file import load_scene
     from sim.simulate import simulate
+    from sim.tangle import Entanglement, entanglement
     from sim.topology import average_crossing_number, gauss_link, link_density, twist, writhe
 
 # Imported on first use: numba and its kernels take a second that `import sim` need not.
 _ROOMS = {
+    "ContactNetwork": "network",
+    "contact_network": "network",
+    "nearest_strand": "network",
+    "Entanglement": "tangle",
+    "entanglement": "tangle",
     "equilibrium": "equilibrium",
     "NotAtRest": "errors",
     "SceneError": "errors",
@@ -34,18 +41,23 @@ _ROOMS = {
     "writhe": "topology",
 }
 __all__ = [
+    "ContactNetwork",
+    "Entanglement",
     "NotAtRest",
     "Run",
     "Scene",
     "SceneError",
     "Unstable",
     "average_crossing_number",
+    "contact_network",
     "curl",
     "double_helix",
+    "entanglement",
     "equilibrium",
     "gauss_link",
     "link_density",
     "load_scene",
+    "nearest_strand",
     "open_run",
     "simulate",
     "twist",

@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 EXTENSION = 10.0  # by how many times the pair's own length open strands are prolonged
 
 
-def _curve(points: ArrayLike) -> Array:
+def curve_of(points: ArrayLike) -> Array:
+    """Return the nodes of a strand as an (n, 3) array, or raise ValueError."""
     curve = np.ascontiguousarray(points, float)
     if curve.ndim != 2 or curve.shape[1] != 3 or len(curve) < 2:
         raise ValueError(f"a strand is an (n, 3) array with n >= 2; got shape {curve.shape}")
@@ -45,17 +46,17 @@ def gauss_link(a: ArrayLike, b: ArrayLike) -> float:
         An integer for closed curves that do not touch; for open ones the link averaged over all
         directions of view.
     """
-    return float(_links(_curve(a), _curve(b)).sum())
+    return float(_links(curve_of(a), curve_of(b)).sum())
 
 
 def average_crossing_number(a: ArrayLike, b: ArrayLike) -> float:
     """Return the number of crossings of two polylines, averaged over all directions of view."""
-    return float(2 * kernels.crossing_number(_curve(a), _curve(b)))
+    return float(2 * kernels.crossing_number(curve_of(a), curve_of(b)))
 
 
 def writhe(points: ArrayLike) -> float:
     """Return the writhe of a polyline, (n, 3); a closed curve repeats its first node at the end."""
-    curve = _curve(points)
+    curve = curve_of(points)
     return float(_links(curve, curve).sum())
 
 
@@ -77,7 +78,7 @@ def twist(centreline: ArrayLike, normals: ArrayLike) -> float:
     Singer, SIAM Rev. 38, 605 (1996)). Exact: with the writhe it adds up to the link of the curve
     and a ribbon's edge close to it. A closed curve repeats its first node and normal.
     """
-    curve, ribbon = _curve(centreline), np.asarray(normals, float)
+    curve, ribbon = curve_of(centreline), np.asarray(normals, float)
     tangents = np.diff(curve, axis=0)
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
     total = _turn(tangents, _across(ribbon[:-1], tangents), _across(ribbon[1:], tangents)).sum()
@@ -139,7 +140,7 @@ def link_density(a: ArrayLike, b: ArrayLike, *, resolution: float | None = None)
         `s` [m] along the centreline of the pair, `link` [1/m] and `sd` [1/m], zero as the curves
         are exact. ``attrs``: `total_link`, `end_link` (share of the prolongations), `length`.
     """
-    first, second = _curve(a), _curve(b)
+    first, second = curve_of(a), curve_of(b)
     axis = net_axis(first, second)
     longer = EXTENSION * float(max(_arclength(first)[-1], _arclength(second)[-1]))
     long_first, long_second = extended(first, axis, longer), extended(second, axis, longer)
