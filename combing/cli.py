@@ -17,6 +17,7 @@ COMMANDS = {
     "force": "combing.commands.force",
     "simulate": "combing.commands.simulate",
     "view": "combing.commands.view",
+    "entangle": "combing.commands.entangle",
     "sweep": "combing.commands.sweep",
     "fit": "combing.commands.fit",
     "compare": "combing.commands.compare",

@@ -5,7 +5,7 @@ are imported here, once, after their modules.
 """
 
 from imaging.correct import Corrections, read_corrections
-from imaging.count import crossings, densities, events, interactions, unresolved
+from imaging.count import crossing_matrix, crossings, densities, events, interactions, unresolved
 from imaging.errors import Unmeasurable
 from imaging.helix import (
     HelixMeasurement,
@@ -29,6 +29,7 @@ __all__ = [
     "Segmentation",
     "Strand",
     "Unmeasurable",
+    "crossing_matrix",
     "crossings",
     "densities",
     "events",

@@ -129,6 +129,28 @@ def _segment_pairs(
     return i[hit], j[hit], u[hit], v[hit]
 
 
+def crossing_matrix(table: pd.DataFrame, strands: int) -> np.ndarray:
+    """Count the crossings of every two strands in a picture.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Of `crossings`.
+    strands : int
+        Their number n.
+
+    Returns
+    -------
+    (n, n) array of int
+        Symmetric; on the diagonal how often each crosses itself. Averaged over all directions of
+        view it is the average crossing number of the strands in space.
+    """
+    found = np.zeros((strands, strands), int)
+    a, b = (table[name].to_numpy(dtype=int) - 1 for name in ("strand_a", "strand_b"))
+    np.add.at(found, (a, b), 1)
+    return found + np.triu(found, 1).T
+
+
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 

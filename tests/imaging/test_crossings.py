@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from drawn.strands import random_curl, render
 
-from imaging import Photo, Strand, crossings, segment, trace
+from imaging import Photo, Strand, crossing_matrix, crossings, segment, trace
 
 
 def test_right_angle():
@@ -15,6 +15,14 @@ def test_right_angle():
     assert (row["x"], row["y"]) == pytest.approx((5, 5))
     assert (row["s_a"], row["s_b"]) == pytest.approx((np.sqrt(50), np.sqrt(50)))
     assert row["angle"] == pytest.approx(np.pi / 2)
+
+
+def test_the_matrix_counts_the_crossings_of_every_two_strands_and_of_each_with_itself():
+    loop = np.array([[0, 0], [10, 10], [10, 0], [0, 10]], float)
+    across = np.array([[0, 8], [12, 8]], float)
+    aside = across + [100, 0]
+    found = crossing_matrix(crossings([loop, across, aside]), 3)
+    assert found.tolist() == [[1, 3, 0], [3, 0, 0], [0, 0, 0]]
 
 
 @pytest.mark.parametrize("degrees", [5, 30, 60, 85])
