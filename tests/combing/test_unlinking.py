@@ -179,9 +179,7 @@ def test_changes_of_photographs_are_relative_to_the_one_before():
     assert list(table.loc["profile", "change"]) == pytest.approx([-0.5, 0.3])
     assert list(table.loc["profile", "sd"]) == pytest.approx([0.05, 0.05])
     assert table.loc["jump", ["x", "change", "sd"]].tolist() == pytest.approx([0.3, 0.8, 0.05])
-    assert table.loc["behind", "change"].tolist() == pytest.approx([-0.6, -0.6])
-    assert table.loc["behind", "sd"].tolist() == pytest.approx([0.03, 0.03])
-    assert table.loc["behind", "s"].tolist() == pytest.approx([0.0055, 0.0155])
+    assert set(table.index) == {"profile", "jump"}  # behind the tine, too, the profile says it
 
 
 def test_without_a_photograph_before_the_first_one_is_the_reference():
