@@ -17,6 +17,7 @@ from tqdm import tqdm
 from combing import __version__
 from combing.errors import UserError, is_users_fault
 from combing.view import View, measure_pair
+from combing.writing import write_text
 from imaging.helix.measurement import HelixMeasurement
 from imaging.helix.sequence import HelixSequence, first_link, sequence_of
 from imaging.photo import Photo
@@ -219,9 +220,7 @@ def _measure(
         if not is_users_fault(error):
             raise
         found |= {"refused": str(error)}
-    partial_ = record.with_suffix(".partial")
-    partial_.write_text(json.dumps(found | {"key": key}), encoding="utf-8")
-    partial_.replace(record)
+    write_text(record, json.dumps(found | {"key": key}))
     picture.unlink(missing_ok=True)
 
 

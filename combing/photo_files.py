@@ -16,6 +16,7 @@ import scipy
 
 from combing import __version__
 from combing.figures.style import write_pictures
+from combing.writing import write_text
 from imaging.measure import Measured
 from imaging.photo.decode import Picture, refuse_unless_file
 from imaging.report.figures import histogram, kymograph
@@ -196,10 +197,3 @@ def _joined(parts: list[pd.DataFrame]) -> pd.DataFrame:
     """One below the other; where all are empty, the columns of the first."""
     filled = [part for part in parts if len(part)]
     return pd.concat(filled, ignore_index=True) if filled else parts[0]
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text to a temporary name, then move it into place."""
-    partial = path.with_name(f".{path.name}.partial")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(path)

@@ -7,22 +7,22 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from sim.equilibrium import equilibrium
     from sim.errors import NotAtRest, SceneError, Unstable
-    from sim.network import ContactNetwork, contact_network, nearest_strand
     from sim.presets import curl, double_helix
     from sim.run import Run, open_run
     from sim.scene import Scene
     from sim.scene_file import load_scene
     from sim.simulate import simulate
-    from sim.tangle import Entanglement, entanglement
     from sim.topology import average_crossing_number, gauss_link, link_density, twist, writhe
+    from sim.topology.network import ContactNetwork, contact_network, nearest_strand
+    from sim.topology.tangle import Entanglement, entanglement
 
 # Imported on first use: numba and its kernels take a second that `import sim` need not.
 _ROOMS = {
-    "ContactNetwork": "network",
-    "contact_network": "network",
-    "nearest_strand": "network",
-    "Entanglement": "tangle",
-    "entanglement": "tangle",
+    "ContactNetwork": "topology.network",
+    "contact_network": "topology.network",
+    "nearest_strand": "topology.network",
+    "Entanglement": "topology.tangle",
+    "entanglement": "topology.tangle",
     "equilibrium": "equilibrium",
     "NotAtRest": "errors",
     "SceneError": "errors",

@@ -7,8 +7,8 @@ from tqdm import tqdm
 
 import imaging
 from combing.errors import UserError, is_users_fault
-from combing.photo_files import write_text
 from combing.photographs import find_photographs
+from combing.writing import write_text
 from imaging.correct import SUFFIX, Corrections, beside
 from imaging.edit import Place, edit_page
 from imaging.measure import measure

@@ -96,7 +96,7 @@ def _way(speed: str | None, log: Path | None, start: str | None) -> Way:
     """Understand where the tine is over time."""
     if (speed is None) == (log is None):
         raise UserError("a film needs --speed of the tine, as 1mm/s, or --log, a force log")
-    begins = None if start is None else _number("--start", start, "s")
+    begins = None if start is None else _seconds(start)
     if log is None:
         return Way(speed=_speed(str(speed)), start=begins)
     logs = instron.read(log)
@@ -116,19 +116,18 @@ def _speed(text: str) -> float:
 
 
 def _every(text: str) -> tuple[float, str]:
-    if text.endswith("s"):
-        return _number("--every", text, "s"), "s"
+    unit = "s" if text.endswith("s") else "m"
     try:
-        value = metres(text)
+        value = float(text.removesuffix("s")) if unit == "s" else metres(text)
     except ValueError:
         value = 0.0
     if not value > 0:
         raise UserError(f"--every {text}: give a time, as 0.5s, or a length, as 1mm")
-    return value, "m"
+    return value, unit
 
 
-def _number(option: str, text: str, unit: str) -> float:
+def _seconds(text: str) -> float:
     try:
-        return float(text.removesuffix(unit))
+        return float(text.removesuffix("s"))
     except ValueError:
-        raise UserError(f"{option} {text}: give seconds, as 2.5s") from None
+        raise UserError(f"--start {text}: give seconds, as 2.5s") from None

@@ -33,8 +33,8 @@ def command(
       combing view pi18/run.nc pi24/run.nc -o both.html
       combing view out/run.nc --film out/run.mp4
     """
-    from combing.photo_files import write_text
     from combing.viewer import LIMIT, run_page, shown
+    from combing.writing import write_text
     from sim import open_run
 
     opened = [open_run(path) for path in runs]

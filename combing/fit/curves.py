@@ -23,8 +23,8 @@ def fitted_curve(
 ) -> pd.DataFrame:
     """Return F over x of the lab and of the model.
 
-    f over x is emulated at every x by one Gaussian process, whose scale of variation is common to
-    all. The band holds one more specimen: friction and factor drawn from the posterior, and what
+    F over the rigidity is emulated at every x by one Gaussian process, whose scale of variation is
+    common to all. The band holds one more specimen: friction and factor drawn from the posterior, and what
     one run, drawn of all, is off the emulator.
 
     Parameters
@@ -43,7 +43,7 @@ def fitted_curve(
     DataFrame
         x; lab, lab_sd; best, low, high [N]. The sd of one log is NaN.
     """
-    f = [np.array([instron.on_grid(one, GRID) for one in some]) for some in runs]
+    f = [np.array([_over_own_rigidity(one) for one in some]) for some in runs]
     means = np.array([some.mean(axis=0) for some in f])
     counts = np.array([len(some) for some in f])
     noise = np.concatenate([some - some.mean(axis=0) for some in f])
@@ -56,27 +56,23 @@ def fitted_curve(
     rng = np.random.default_rng(0)
     at = found.draws(DRAWS, rng)
     drawn = size * emulated.predict(at) + off[rng.integers(len(off), size=DRAWS)]
-    newtons = _newtons(plan, from_unit(at, plan.friction, plan.factor)[:, 1])
+    rig = instron.load_rig(plan.rig)
+    newtons = rig.rigidity * from_unit(at, plan.friction, plan.factor)[:, 1]
     ends = np.quantile(drawn * newtons[:, None], [(1 - LEVEL) / 2, (1 + LEVEL) / 2], axis=0)
     best = size * emulated.predict(found.unit_of(*found.best)[None])[0]
-    own = np.array([_newtons_of(curve) * instron.on_grid(curve, GRID) for curve in lab])
+    own = np.array([curve.attrs["B"] * _over_own_rigidity(curve) for curve in lab])
     return pd.DataFrame(
         {
             "x": GRID,
             "lab": own.mean(axis=0),
             "lab_sd": own.std(axis=0, ddof=1) if len(own) > 1 else np.full(len(GRID), np.nan),
-            "best": best * _newtons(plan, np.array(found.best[1])),
+            "best": best * rig.rigidity * found.best[1],
             "low": ends[0],
             "high": ends[1],
         }
     )
 
 
-def _newtons(plan: FitPlan, factor: np.ndarray) -> np.ndarray:
-    """Return F/f at a factor [N]."""
-    rig = instron.load_rig(plan.rig)
-    return factor * rig.rigidity / 0.01**2
-
-
-def _newtons_of(curve: pd.DataFrame) -> float:
-    return float(curve.attrs["B"] / curve.attrs["l0"] ** 2)
+def _over_own_rigidity(curve: pd.DataFrame) -> np.ndarray:
+    """Return F/B over x [1/m^2]."""
+    return instron.on_grid(curve, GRID) / curve.attrs["l0"] ** 2

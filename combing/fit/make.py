@@ -28,6 +28,7 @@ from combing.sweep import Store, simulate_points
 from combing.tables import write_table
 from combing.tolerance.front import predicted_seconds
 from combing.workers import cores
+from combing.writing import write_text
 
 WIDER = 2.0  # times that repeats scatter more than members: said
 DOUBTFUL = 0.01  # probability of a misfit, below which the model does not reproduce the lab
@@ -273,8 +274,6 @@ def _write(fit: Fit, out: Path) -> None:
     write_table(out / "ridge.csv", ridge, ["mean log factor at every friction"])
     write_table(out / "curve.csv", fit.curve, ["F in N over x = d/D; bands at 95 %"])
     write_table(out / "summaries.csv", fit.residuals, ["in N, m; apart in sd"])
-    partial = out / ".fit.json.partial"
-    partial.write_text(json.dumps(fit.facts, indent=1) + "\n", encoding="utf-8")
-    partial.replace(out / "fit.json")
+    write_text(out / "fit.json", json.dumps(fit.facts, indent=1) + "\n")
     synthetic = any(says_synthetic(curve.attrs.get("metadata", {})) for curve in fit.lab.curves)
     save(draw_fit(fit, synthetic=synthetic), out, "fit", synthetic=synthetic)

@@ -94,9 +94,8 @@ class Shot:
             self._read(seen)
 
     def _read(self, seen: pd.DataFrame) -> None:
-        known = seen[~seen["sides"]].dropna(
-            subset=["link", "sd"]
-        )  # those are means cut at the tine
+        # What sides tell behind a tine is a mean that ends at the tine, no plain average.
+        known = seen[~seen["sides"]].dropna(subset=["link", "sd"])
         far = self.resolution / 2
         self.places = [s for s in self.places if (known["s"] - s).abs().min() < far]
         for column, into in (("link", self.values), ("sd", self.sd)):

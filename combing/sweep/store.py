@@ -19,6 +19,7 @@ import sim
 from combing.ensemble import Member
 from combing.errors import UserError, is_users_fault
 from combing.runs import model_version, run_name
+from combing.writing import write_text
 
 T = TypeVar("T")
 LASTING = (sim.Unstable,)  # failures that the same scene has again; others may pass
@@ -137,10 +138,4 @@ def _read(path: Path) -> dict[str, Any] | None:
 
 
 def _write(path: Path, content: Mapping[str, Any]) -> None:
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-        partial.replace(path)
-    except OSError:
-        partial.unlink(missing_ok=True)
-        raise
+    write_text(path, json.dumps(content, indent=1) + "\n")

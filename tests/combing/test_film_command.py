@@ -117,6 +117,7 @@ def test_a_log_counts_from_where_it_begins_to_move():
         ([], "a film needs --speed of the tine, as 1mm/s, or --log"),
         (["--speed", "fast"], "--speed fast: give a length a second"),
         (["--speed", "1mm/s", "--every", "often"], "--every often: give"),
+        (["--speed", "1mm/s", "--every", "0s"], "--every 0s: give"),
         (["--speed", "1mm/s", "--start", "soon"], "--start soon: give seconds"),
         (["--speed", "1mm/s", "--x", "0.1"], "--x: is for photographs, not for a film"),
     ],

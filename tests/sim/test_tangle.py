@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import dblquad
 
 import sim
-from sim.network import nearest_places
+from sim.topology.network import nearest_places
 
 
 def wandering(rng, strands=6, nodes=60):
@@ -141,6 +141,13 @@ def test_a_network_without_contacts_has_as_many_clusters_as_strands():
     assert network.contacts.empty
     assert sorted(network.cluster) == [0, 1, 2]
     assert network.largest == 1
+
+
+def test_a_node_that_stands_twice_hides_no_contact():
+    z = np.array([0.0, 0.5, 0.5, 1.0])
+    strands = [np.column_stack([0 * z + x, 0 * z, z]) for x in (0.0, 0.05)]
+    assert list(sim.contact_network(strands, 0.1).per_strand) == [1, 1]
+    np.testing.assert_allclose(np.concatenate(sim.nearest_strand(strands)), 0.05)
 
 
 def test_nearest_places_of_segments_are_no_farther_than_any_sampled_ones(rng):

@@ -1,4 +1,4 @@
-"""Entanglement of any number of open strands: link and crossings by pair and in space, contacts.
+"""Entanglement of any number of open strands: link and crossings by pair, along and in space.
 
 The average crossing number is the number of crossings that a picture shows, averaged over all
 directions of view; the Gauss link counts the same crossings with their sign, halved.
@@ -14,7 +14,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from sim.kernels.tangle import fill_pairs
-from sim.topology import curve_of
+from sim.topology.pair import curve_of
 
 Array = NDArray[np.float64]
 

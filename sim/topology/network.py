@@ -12,7 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from sim.topology import curve_of
+from sim.topology.pair import curve_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -152,7 +152,8 @@ def nearest_places(p: Array, u: Array, q: Array, v: Array) -> tuple[Array, Array
     a, b, distance : (n,)
         The least distance is from an end to the other segment, or along the common normal.
     """
-    w, uu, vv, uv = p - q, _dot(u, u), _dot(v, v), _dot(u, v)
+    w, uv = p - q, _dot(u, v)
+    uu, vv = (np.maximum(_dot(one, one), 1e-300) for one in (u, v))  # a node may be there twice
     uw, vw, zero, one = _dot(u, w), _dot(v, w), np.zeros(len(p)), np.ones(len(p))
     inverse = 1 / np.maximum(uu * vv - uv**2, 1e-300)
     a = [zero, one, -uw / uu, (uv - uw) / uu, (uv * vw - vv * uw) * inverse]
@@ -204,7 +205,7 @@ def _to_segments(points: Array, curves: list[Array]) -> Array:
     point = np.repeat(np.arange(len(points)), [len(one) for one in near])
     segment = np.concatenate(near).astype(int)
     w, edge = points[point] - parts.start[segment], parts.edge[segment]
-    along = np.clip(_dot(w, edge) / _dot(edge, edge), 0, 1)
+    along = np.clip(_dot(w, edge) / np.maximum(_dot(edge, edge), 1e-300), 0, 1)
     away = np.linalg.norm(w - along[:, None] * edge, axis=1)
     first = np.searchsorted(point, np.arange(len(points)))
     return np.minimum.reduceat(away, first)
