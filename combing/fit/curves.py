@@ -24,8 +24,8 @@ def fitted_curve(
     """Return F over x of the lab and of the model.
 
     F over the rigidity is emulated at every x by one Gaussian process, whose scale of variation is
-    common to all. The band holds one more specimen: friction and factor drawn from the posterior, and what
-    one run, drawn of all, is off the emulator.
+    common to all. The band holds one more specimen: friction and factor drawn from the posterior,
+    and what one run, drawn of all, is off the emulator.
 
     Parameters
     ----------
