@@ -148,6 +148,7 @@ def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list
     delimiter, header = _find(source, told, bare)
     bodies = read_bodies(source, header, delimiter, told)
     taken = logs_only(bodies if told.columns or bare else no_lists(source, bodies, delimiter))
+    refuse_fill_values(source, taken)
     logs = joined(taken, source.head[0].startswith(ONE_TEST))
     _refuse_questions(source, logs)
     refuse_other_units(source, logs, delimiter)
@@ -295,8 +296,7 @@ def _table(
 def _in_si(
     where: str, quantity: str, values: np.ndarray, lines: Sequence[int], unit: Unit
 ) -> np.ndarray:
-    """Return a column in SI; values that are none, or whose point has moved, are refused."""
-    refuse_fill_values(where, quantity, values, lines)
+    """Return a column in SI; values whose point has moved are refused."""
     if quantity != "time":  # which must not run back anyway
         refuse_moved_points(where, quantity, values, lines)
     scale = unit.to_si()

@@ -82,10 +82,10 @@ OTHER_UNITS = word_set(
 )
 VOLTS = {"v", "mv", "volt", "volts", "mv/v", "uv", "µv"}
 PREFIXES = {"kilo": 1e3, "milli": 1e-3, "micro": 1e-6, "mega": 1e6, "deca": 10.0, "centi": 1e-2}
-# 10e3 N may be 10^3 or 10^4 N, 10 kN a load cell: neither is read.
-_POWER = re.compile(r"(?:x|\*)?\s*10\s*(?:\^|\*\*)\s*\(?([-+]?\d+)\)?", re.IGNORECASE)
-_RATIO = re.compile(r"(\d+)\s*/\s*(\d+)")
-_NUMBER = re.compile(r"(?:x|\*)\s*(\d+(?:\.\d+)?(?:e[-+]?\d+)?)", re.IGNORECASE)
+# 10e3 N may be 10^3 or 10^4 N, 10 kN a load cell: neither is read, nor a power beyond any unit.
+_POWER = re.compile(r"(?:x|\*)?\s*10\s*(?:\^|\*\*)\s*\(?([-+]?\d{1,2})\)?", re.IGNORECASE)
+_RATIO = re.compile(r"(\d{1,9})\s*/\s*(\d{1,9})")
+_NUMBER = re.compile(r"(?:x|\*)\s*(\d{1,9}(?:\.\d+)?(?:e[-+]?\d{1,2})?)", re.IGNORECASE)
 _SUPERSCRIPT = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻×∙⋅", "0123456789-x··")
 _RAISED = re.compile(r"10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
 

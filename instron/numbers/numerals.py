@@ -21,6 +21,7 @@ _GROUPED = {
     for mark in ".,"
 }  # fmt: skip
 _MARK_NAMES = {".": "a decimal point", ",": "a decimal comma"}
+LONGEST_COUNT = 19  # digits
 _MARKS = re.compile(r"[.,].*[.,]")
 _WHOLE_MILLIONS = re.compile(r"[-+]?\d{1,3}([,.])\d{3}(?:\1\d{3})+")
 
@@ -36,6 +37,11 @@ class Unclear(ValueError):
 def looks_numeric(cell: str) -> bool:
     """Tell whether the cell could be a number in some notation."""
     return _LOOKS.fullmatch(cell.strip().strip("\"'")) is not None
+
+
+def is_count(cell: str) -> bool:
+    """Tell whether the cell could count something: digits, few enough to calculate with."""
+    return cell.isdecimal() and len(cell) < LONGEST_COUNT
 
 
 def decimal_mark(cells: Sequence[str]) -> str:

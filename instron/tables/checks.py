@@ -24,16 +24,28 @@ SLOW_AND_SPARSE = 1e-3 / 60  # m/s: seldom sampled at less than once in 2 s
 RATE = re.compile(r"(\d+(?:\.\d+)?)\s*(mm/min|mm/s)\b")
 
 
-def refuse_fill_values(where: str, quantity: str, values: np.ndarray, lines: Sequence[int]) -> None:
-    """Refuse infinities and the constants that loggers write where nothing was measured."""
+def refuse_fill_values(source: Source, bodies: Sequence[Body]) -> None:
+    """Refuse infinities and the constants that loggers write where nothing was measured.
+
+    Comes before anything is calculated: the difference of two infinities is no number.
+    """
+    for body in bodies:
+        for specimen in body.header.specimens:
+            for quantity, channel in specimen.items():
+                _refuse_fill_values(source, quantity, body.values[channel.index], body.lines)
+
+
+def _refuse_fill_values(
+    source: Source, quantity: str, values: np.ndarray, lines: Sequence[int] | np.ndarray
+) -> None:
     if values.max() < HUGE and values.min() > max(FILL_VALUES):
         return
     bad = (np.abs(values) >= HUGE) | np.isin(values, FILL_VALUES)
     if bad.any():
         row = int(np.flatnonzero(bad)[0])
         raise Unreadable(
-            f"{where}: line {lines[row] + 1}: {quantity} {values[row]:g} is a fill value, not a"
-            " measurement"
+            f"{source.path}: line {lines[row] + 1}: {quantity} {values[row]:g} is a fill value,"
+            " not a measurement"
         )
 
 
@@ -186,21 +198,26 @@ def against_stated(
     """
     notes: list[list[str]] = [[] for _ in tables]
     usable = [(s, _newtons(s, written)) for s in stated]
-    values = [(s, v) for s, v in usable if v]
+    values = [(s, v) for s, v in usable if 0 < abs(v) < HUGE]
     for number, table in enumerate(tables if values else []):
         peaks = [peak for peak in (table["force"].max(), -table["force"].min()) if peak > 0]
         matched = values[number : number + 1] if len(values) == len(tables) else values
-        gaps = [min(abs(math.log(p / abs(v))) for p in peaks) for _, v in matched if peaks]
+        gaps = [min(_gap(p, v) for p in peaks) for _, v in matched if peaks]
         if not gaps or min(gaps) < 0.005:
             continue
         claim, value = matched[int(np.argmin(gaps))]
         text = f"line {claim.line + 1} states a maximum of {value:g} N, the rows reach"
-        if any(_is_slip(abs(math.log(p / abs(value)))) for p in peaks):
+        if any(_is_slip(_gap(p, value)) for p in peaks):
             raise Unreadable(
                 f"{where}: {text} {max(peaks):g} N: a power of ten or a unit of force apart"
             )
         notes[number].append(f"{text} {max(peaks):g} N")
     return notes
+
+
+def _gap(peak: float, value: float) -> float:
+    """Return the size of the logarithm of a ratio."""
+    return abs(math.log(peak) - math.log(abs(value)))
 
 
 def _is_slip(gap: float) -> bool:
@@ -215,9 +232,10 @@ def _is_slip(gap: float) -> bool:
     return any(abs(t - round(t)) < 0.003 for t in tens)
 
 
-def _newtons(claim: StatedMaximum, written: str | None) -> float | None:
+def _newtons(claim: StatedMaximum, written: str | None) -> float:
+    """Return a stated maximum [N], 0 where its unit is none of force."""
     unit = read_unit(claim.unit or written or "N")
-    return claim.value * unit.to_si() if unit and unit.quantity == "force" else None
+    return claim.value * unit.to_si() if unit and unit.quantity == "force" else 0.0
 
 
 def mixed_units(columns: list[dict[str, dict]]) -> list[str]:

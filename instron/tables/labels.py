@@ -9,7 +9,7 @@ import numpy as np
 from instron.errors import Unreadable
 from instron.headings.grammar import read_heading
 from instron.headings.words import SPECIMEN, plain, word_set
-from instron.numbers.numerals import looks_numeric
+from instron.numbers.numerals import is_count, looks_numeric
 from instron.source.files import Source
 from instron.tables.body import Body
 from instron.tables.layout import split_cells
@@ -97,9 +97,7 @@ class _Labels:
 
 def _counts(cells: Sequence[str]) -> bool:
     """Tell whether cells are 1, 2, 3, which may as well be cycles."""
-    return all(c.isdecimal() for c in cells) and all(
-        int(b) - int(a) == 1 for a, b in pairwise(cells)
-    )
+    return all(is_count(c) for c in cells) and all(int(b) - int(a) == 1 for a, b in pairwise(cells))
 
 
 def by_label(source: Source, bodies: list[Body], delimiter: str) -> list[Body]:

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from instron.headings.units import is_unit
 from instron.headings.words import UNIT, plain
-from instron.numbers.numerals import looks_numeric
+from instron.numbers.numerals import is_count, looks_numeric
 
 FEWEST = 3  # rows that tell
 Split = Callable[[str], list[str]]
@@ -92,7 +92,7 @@ def _row_names(names: list[str], rows: Sequence[list[str]], lines: Sequence[str]
 
 def _counts(cells: Sequence[str]) -> bool:
     """Tell whether cells count rows, of which some may have been left out."""
-    if not all(cell.isdecimal() for cell in cells):
+    if not all(is_count(cell) for cell in cells):
         return False
     steps = [int(after) - int(before) for before, after in pairwise(cells)]
     return min(steps) > 0 and sorted(steps)[len(steps) // 2] == 1
