@@ -79,10 +79,7 @@ class _Doubt:
     @property
     def colour(self) -> float:
         """How much more noise averaging leaves than it would of white noise."""
-        if self.noise.sd == 0:
-            return 1.0
-        left = self.noise.averaged / self.noise.sd
-        return max(1.0, left * float(np.sqrt(max(1.0, self.length / self.step))))
+        return self.noise.colour(self.length / self.step)
 
 
 def find_end(

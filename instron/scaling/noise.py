@@ -35,6 +35,12 @@ class Noise:
     where: str
     freedom: float = 1.0
 
+    def colour(self, rows: float) -> float:
+        """Return how much more noise averaging over so many rows leaves than of white noise."""
+        if self.sd == 0:
+            return 1.0
+        return max(1.0, self.averaged / self.sd * max(1.0, rows) ** 0.5)
+
 
 def noise_of(F: np.ndarray) -> float:
     """Return the standard deviation of the noise on one reading [unit of F].

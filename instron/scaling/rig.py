@@ -50,8 +50,8 @@ class Rig(BaseModel):
     compliance
         Of machine and grips [m/N]; ``compliance * F`` is taken off the displacement.
     toe
-        Offset of the displacement: ``none``, or ``tangent`` (where the steepest tangent of the
-        first rise meets zero; off by default because slack has no Hookean region).
+        Offset of the displacement: ``none``, or ``tangent`` (where the tangent at the foot of
+        the first rise meets zero; off by default: gentle combing may be taken for slack).
     force_sign
         +1 or -1: the sign in the file of a force that resists combing; 0 finds out.
     u_r, u_E

@@ -12,10 +12,10 @@ from instron.scaling.noise import SLOW, Noise, last_digit, of_free_end, quietest
 from instron.scaling.peak import Peak, highest
 from instron.scaling.rig import Rig
 from instron.scaling.strokes import name_of, strokes
+from instron.scaling.toe import Toe, find_toe
 from instron.scaling.zero import Zero, find_zero
 
 COARSE = 0.01
-TANGENT = 0.2  # of the force where the first rise is steepest: what its tangent's foot may have
 AGREE = 0.02  # relative change of f_max or W by another zero that is worth a warning
 
 
@@ -91,6 +91,7 @@ class _Stroke:
     noise: Noise
     end: End
     doubt: Noise  # what noise may be, if slower than it seems
+    slack: float  # of the travel, taken off d [m]
 
 
 def _scale_stroke(log: pd.DataFrame, rig: Rig) -> pd.DataFrame:
@@ -109,7 +110,7 @@ def _scale_stroke(log: pd.DataFrame, rig: Rig) -> pd.DataFrame:
         "end": f"force stays below {end.threshold:.3g} N ({end.rule})",
         "noise": noise.where,
         "compliance": rig.compliance,
-        "toe": rig.toe,
+        "toe": rig.toe if rig.toe == "none" else f"tangent, {stroke.slack:.4g} m of slack",
     }
     curve.attrs["warnings"] = [
         *log.attrs.get("warnings", []), *stroke.zero.warnings, *end.warnings,
@@ -132,7 +133,11 @@ def _measure(log: pd.DataFrame, rig: Rig) -> _Stroke:
         zero = find_zero(raw, smooth, noise.averaged, length / step, rig, after)
         F, averaged = zero.sign * (raw - zero.level), zero.sign * (smooth - zero.level)
         d = travel - rig.compliance * F
-        d = d - (_toe(d, averaged, log) if rig.toe == "tangent" else d[0])
+        toe = Toe(d[0], d[0], d[0])
+        if rig.toe == "tangent":
+            unsure = _median_doubt(zero, noise, length / step)
+            toe = find_toe(d, F, averaged, length, noise, unsure, name_of(log))
+        d = d - toe.foot
         end = find_end(d, F, averaged, length, noise, rig, name_of(log))
         beyond = d > end.D + length
         free = of_free_end(raw[beyond], length / step) if end.ended else None
@@ -143,9 +148,16 @@ def _measure(log: pd.DataFrame, rig: Rig) -> _Stroke:
     if end.ended:
         end = find_end(d, F, averaged, length, noise, rig, name_of(log), unsure)
     end, doubt = _swinging(d, F, averaged, length, step, noise, end)
-    return _Stroke(
-        travel, d, F, averaged, profile(travel, F), length, step, zero, noise, end, doubt
-    )
+    end = _beside(end, toe)
+    return _Stroke(travel, d, F, averaged, profile(travel, F), length, step, zero, noise, end,
+                   doubt, -float(d[0]))  # fmt: skip
+
+
+def _beside(end: End, toe: Toe) -> End:
+    """Return an end whose interval holds that of the place from which d counts."""
+    early, late = toe.high - toe.foot, toe.foot - toe.low
+    low, high = np.hypot(end.D - end.low, early), np.hypot(end.high - end.D, late)
+    return replace(end, low=float(end.D - low), high=float(end.D + high))
 
 
 def _zero_at(zero: Zero, noise: Noise, rows: float, place: float) -> float:
@@ -204,28 +216,6 @@ def _peak(stroke: _Stroke) -> tuple[Peak, float]:
     place = float(np.interp(places[top], stroke.travel, stroke.d))
     peak, wide = (highest(F, n.averaged, n.freedom, unsure) for n in (noise, stroke.doubt))
     return Peak(peak.F, min(peak.low, wide.low), max(peak.high, wide.high)), place
-
-
-def _toe(d: np.ndarray, smooth: np.ndarray, log: pd.DataFrame) -> float:
-    """Return where the steepest tangent of the first rise meets zero force.
-
-    Raises
-    ------
-    Unscalable
-        Where the force has already risen there: the tangent is that of a jam.
-    """
-    rise = slice(0, max(3, int(np.argmax(smooth)) + 1))
-    slope = np.gradient(smooth[rise], d[rise], edge_order=1)
-    steepest = int(np.nanargmax(np.where(np.isfinite(slope), slope, -np.inf)))
-    foot = float(d[steepest] - smooth[steepest] / slope[steepest])
-    there = float(np.interp(foot, d, smooth))
-    if there > TANGENT * smooth[steepest]:
-        raise Unscalable(
-            f"{name_of(log)}: toe = 'tangent': the steepest rise, at {d[steepest]:.4g} m, is that"
-            f" of a jam (where its tangent meets zero, at {foot:.4g} m, the force is {there:.3g} N"
-            " already); use toe = 'none'"
-        )
-    return foot
 
 
 def _facts(

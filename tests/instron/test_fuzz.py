@@ -140,7 +140,8 @@ def is_ambiguous(body, form):
 
 
 JUNK = st.sampled_from([b"", b",", b";", b"\t", b".", b"-", b'"', b"\n", b"\r", b"e", b"x", b" ",
-                        b"\0", b"\xff", b"--", b",,", b"nan", b"OVER", b"9E37"])  # fmt: skip
+                        b"\0", b"\xff", b"--", b",,", b"nan", b"OVER", b"9E37",
+                        b"1e400"])  # fmt: skip
 
 
 @st.composite

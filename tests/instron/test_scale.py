@@ -109,14 +109,6 @@ def test_compliance_shortens_the_displacement():
     np.testing.assert_allclose(curve["d"], stretched - stretched[0], atol=1e-12)
 
 
-def test_toe_starts_where_the_tangent_meets_zero():
-    d = np.linspace(0, 0.1, 5001)
-    F = np.where(d < 0.02, 0, 50 * (d - 0.02)) * (d < 0.08)
-    log = pd.DataFrame({"time": d, "displacement": d, "force": F})
-    curve = scale(log, Rig(B=1e-4, toe="tangent"))
-    assert curve["d"].iloc[0] == pytest.approx(-0.02, abs=1e-4)
-
-
 def test_a_still_crosshead_and_a_forceless_log_are_refused():
     log = combing()
     with pytest.raises(Unscalable, match="does not move"):

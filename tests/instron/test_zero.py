@@ -1,10 +1,9 @@
 """Zero, sign and drift of a load cell."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from instron import Rig, Unscalable, scale
+from instron import Rig, scale
 from instron.virtual import SHAPES, combing, hump, jams, plateau, teeth
 
 RIG = Rig(r=4.25e-4, E=2.8e9)
@@ -40,17 +39,6 @@ def test_a_steady_cell_is_not_accused():
     for shape in (hump, jams, teeth, plateau):
         for seed in range(5):
             assert scale(combing(shape, 3000, sd=0.005, rng=seed), RIG).attrs["warnings"] == []
-
-
-def test_the_toe_of_a_slack_start_is_found_and_that_of_a_jam_refused():
-    d = np.linspace(0, 0.1, 5001)
-    rise = np.where(d < 0.02, 0, 50 * (d - 0.02)) * (d < 0.08)
-    log = pd.DataFrame({"displacement": d, "force": rise})
-    assert scale(log, Rig(B=1e-4, toe="tangent")).attrs["D"] == pytest.approx(0.06, abs=2e-4)
-    jam = np.where(d < 0.02, 0, 5 * (d - 0.02)) * (d < 0.08) + np.exp(-(((d - 0.05) / 1e-3) ** 2))
-    log = pd.DataFrame({"displacement": d, "force": jam})
-    with pytest.raises(Unscalable, match="is that of a jam"):
-        scale(log, Rig(B=1e-4, toe="tangent"))
 
 
 @pytest.mark.parametrize("drift", [0.05, -0.05])
