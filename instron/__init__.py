@@ -11,6 +11,7 @@ from instron.scaling.noise import noise_of
 from instron.scaling.rig import Rig, load_rig
 from instron.scaling.scale import scale, work
 from instron.scaling.strokes import strokes
+from instron.source.kinds import exports
 from instron.summary import summary
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "Unscalable",
     "averaged",
     "events",
+    "exports",
     "load_rig",
     "love_force",
     "noise_of",

@@ -15,20 +15,7 @@ import instron
 from combing.errors import UserError
 
 FEWEST = 4  # repeats for which the band's coverage was measured to hold
-SUFFIXES = {
-    ".csv",
-    ".txt",
-    ".tra",
-    ".dat",
-    ".tsv",
-    ".asc",
-    ".lvm",
-    ".xlsx",
-    ".xlsm",
-    ".xls",
-    ".ods",
-    ".zs2",
-}
+Skipped = list[tuple[Path, str]]
 
 
 @click.command()
@@ -77,10 +64,15 @@ def command(
       E = 2.8e9     # Young's modulus [Pa]
     """
     told = _told(columns, headings, units)
-    logs, skipped = _read_all(_expand(files), told, explain or skip_unreadable, quiet or explain)
+    found, passed = _expand(files)
+    logs, unread = _read_all(found, told, explain or skip_unreadable, quiet or explain)
+    skipped = unread + passed
     if explain:
         click.echo(_explained(logs, skipped, as_json))
         return
+    if not quiet:
+        for _, reason in skipped:
+            click.echo(f"combing: skipped: {reason}", err=True)
     logs = _once(logs)
     if rig_file is None:
         raise UserError("--rig is missing: f = l0^2 F/B needs the filament (r and E, or B)")
@@ -128,25 +120,20 @@ def _column_line(log: pd.DataFrame, quantity: str) -> str:
     )
 
 
-def _expand(files: tuple[Path, ...]) -> list[Path]:
-    """Replace folders by the exports in them."""
+def _expand(files: tuple[Path, ...]) -> tuple[list[Path], Skipped]:
+    """Replace folders by the exports in them; what else is in them is named."""
     found: list[Path] = []
+    passed: Skipped = []
     for path in files:
         if path.is_dir():
-            inside = sorted(p for p in path.iterdir() if p.suffix.lower() in SUFFIXES)
-            if not inside:
-                raise UserError(
-                    f"{path}: no exports ({', '.join(sorted(SUFFIXES))}) in this folder"
-                )
+            inside, others = instron.exports(path)
             found += inside
+            passed += others
         elif not path.exists():
             raise UserError(f"{path}: no such file")
         else:
             found.append(path)
-    return found
-
-
-Skipped = list[tuple[Path, str]]
+    return found, passed
 
 
 def _told(columns: str | None, headings: tuple[str, ...], units: str | None) -> dict[str, Any]:
@@ -177,9 +164,6 @@ def _read_all(
             skipped.append((path, str(error)))
     if not logs and skipped:
         raise instron.Unreadable(skipped[0][1])
-    if not quiet:
-        for _, reason in skipped:
-            click.echo(f"combing: skipped: {reason}", err=True)
     return logs, skipped
 
 

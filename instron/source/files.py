@@ -14,15 +14,13 @@ import numpy as np
 
 from instron.errors import Unreadable
 from instron.headings.words import PIECES, TELLING, plain
+from instron.source.kinds import BLUEHILL, own_format
 
 HEAD_BYTES = 1 << 16
 CHUNK = 1 << 18  # fits a core's cache
 FOREIGN = {"CR": b"\r", "CRCRLF": b"\r\r\n"}  # line ends that are rewritten
 RETURN, NEWLINE = b"\r\n"
-BLUEHILL = "export the raw data from Bluehill as CSV (Method: Export; or Results: Export raw data)"
-FORMATS = {b"TDAT": f"a Bluehill data file (.id_*); {BLUEHILL}"}
-EXPORT = "export the specimens from testXpert as ASCII (.TRA, .txt) or Excel"
-SUFFIXES = {suffix: f"a testXpert series; {EXPORT}" for suffix in (".zs2", ".zp2", ".zse")}
+FORMATS = {b"TDAT": f"a Bluehill data file (.id_*): {BLUEHILL}"}
 ENCODINGS = ("gb18030", "shift_jis", "big5", "cp949", "cp1251", "cp1250", "cp850", "mac_roman")
 
 
@@ -226,7 +224,7 @@ def _rewritten(path: Path, text: str, written: str, encoding: str) -> Source:
 def _refuse_binary(path: Path, start: bytes) -> None:
     """Refuse what testing machines save for themselves, with how to export it."""
     why = next((why for mark, why in FORMATS.items() if start.startswith(mark)), None)
-    why = why or SUFFIXES.get(path.suffix.lower())
+    why = why or own_format(path)
     if why:
         raise Unreadable(f"{path}: {why}")
 

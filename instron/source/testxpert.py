@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from instron.errors import Unreadable
-from instron.source.files import EXPORT
+from instron.source.kinds import TESTXPERT
 from instron.source.sheet import Sheet, as_text
 
 Chunk = tuple[tuple[str, ...], Any]  # path of names from the root, and what is there
@@ -61,7 +61,7 @@ def _chunks(path: Path) -> Iterator[Chunk]:
         from zs2decode import parser
     except ImportError:
         raise Unreadable(
-            f"{path}: a testXpert series; {EXPORT}, or install combing[testxpert] to read it so"
+            f"{path}: a testXpert series; {TESTXPERT}, or install combing[testxpert] to read it so"
         ) from None
     try:
         stream = parser.load(str(path))
@@ -69,7 +69,7 @@ def _chunks(path: Path) -> Iterator[Chunk]:
     except Exception as error:  # the library raises what its parsers do
         reason = " ".join(str(error).split()) or type(error).__name__
         raise Unreadable(
-            f"{path}: a testXpert series that cannot be decoded ({reason}); {EXPORT}"
+            f"{path}: a testXpert series that cannot be decoded ({reason}); {TESTXPERT}"
         ) from None
     sections: list[str] = []
     for _, name, kind, value in decoded:

@@ -79,7 +79,9 @@ def test_explain_says_what_was_understood(bench, capsys):
 
 
 def test_a_folder_as_it_is(bench, capsys):
-    """Notes and a broken file among the exports, and one export copied under another name."""
+    """Notes, a broken file and Bluehill's own among the exports, and one export copied."""
+    (bench / "runs/1.is_tens").write_text("<?xml version='1.0'?><Sample/>")
+    (bench / "runs/photo.jpg").write_bytes(b"\xff\xd8")
     (bench / "runs/notes.txt").write_text("second run slipped\n")
     (bench / "runs/broken.csv").write_text("Time,Extension,Load\n(s),(mm),(N)\n0,1,OVER\n1,2,3\n")
     (bench / "runs/copy.csv").write_bytes((bench / "runs/0.csv").read_bytes())
@@ -89,13 +91,21 @@ def test_a_folder_as_it_is(bench, capsys):
     assert "--skip-unreadable goes on without it" in err
     code, out, _ = run(capsys, "--explain", "runs")
     assert code == 0
-    assert out.count("unreadable") == 2
+    assert out.count("unreadable") == 4
+    assert "1.is_tens: a Bluehill sample: export the raw data from Bluehill as CSV" in out
+    assert "1 with another ending not looked at: photo.jpg" in out
     assert out.count("column 3 'Load' in N") == 4
     code, out, err = run(capsys, "runs", "--rig", "rig.toml", "-o", "out", "--skip-unreadable")
     assert code == 0
     assert "copy.csv: the same numbers as" in err
+    assert "combing: skipped: runs/1.is_tens: a Bluehill sample" in err
     skipped = pd.read_csv(bench / "out/skipped.csv")
-    assert [name.split("/")[-1] for name in skipped["file"]] == ["broken.csv", "notes.txt"]
+    assert [name.split("/")[-1] for name in skipped["file"]] == [
+        "broken.csv",
+        "notes.txt",
+        "1.is_tens",
+        "runs",
+    ]
     assert "no header" in skipped["reason"][1]
     assert pd.read_csv(bench / "out/repeats.csv")["file"].tolist() == ["0.csv", "1.csv", "2.csv"]
 
