@@ -16,7 +16,8 @@ from instron.source.files import HEAD_BYTES, Source, open_source
 from instron.source.sheet import Sheet
 from instron.source.testxpert import is_series, specimens
 from instron.source.workbook import is_workbook, sheets
-from instron.tables.body import Body, read_bodies
+from instron.tables.bodies import read_bodies
+from instron.tables.body import Body
 from instron.tables.checks import (
     against_stated,
     drop_jump_back,
@@ -48,6 +49,7 @@ from instron.tables.preamble import (
     stated_units,
 )
 from instron.tables.results import logs_only, no_lists
+from instron.tables.rewrite import REWRITERS
 
 USUAL_UNITS = {"time": "s", "displacement": "mm", "force": "N"}
 ONE_TEST = "MTS793|"  # a format that keeps the buffers of one test in one file
@@ -145,6 +147,22 @@ def _of_sheet(log: pd.DataFrame, path: Path, sheet: Sheet, alike: int) -> pd.Dat
 
 
 def _read_source(source: Source, told: Told, bare: Sequence[str] | None) -> list[pd.DataFrame]:
+    """Return the logs of a source as it stands, or rewritten where that shows no header."""
+    try:
+        return _read_tables(source, told, bare)
+    except NoLog:
+        other = next(filter(None, (write(source) for write in REWRITERS)), None)
+        if other is None:
+            raise
+    rewritten, note = other
+    logs = _read_tables(rewritten, told, bare)
+    for log in logs:
+        log.attrs |= {"source": str(source.path), "file": source.path.name}
+        log.attrs["choices"].append(note)
+    return logs
+
+
+def _read_tables(source: Source, told: Told, bare: Sequence[str] | None) -> list[pd.DataFrame]:
     delimiter, header = _find(source, told, bare)
     bodies = read_bodies(source, header, delimiter, told)
     taken = logs_only(bodies if told.columns or bare else no_lists(source, bodies, delimiter))
@@ -182,11 +200,18 @@ def _outside(source: Source, bodies: list[Body], taken: list[Body]) -> dict[int,
 
 
 def _name(tables: list[pd.DataFrame], labels: list[str]) -> None:
-    """Give tables that are named after the file the names that a table of results lists."""
+    """Give tables that are named after the file the names that a table of results lists.
+
+    Tables that still have one name among them are numbered.
+    """
     if len(labels) == len(tables) and all(labels):
         for table, label in zip(tables, labels, strict=True):
             if table.attrs["specimen"] == Path(table.attrs["file"]).stem:
                 table.attrs["specimen"] = label
+    names = [table.attrs["specimen"] for table in tables]
+    if len(set(names)) == 1 < len(names):
+        for number, table in enumerate(tables, 1):
+            table.attrs["specimen"] += f" {number}"
 
 
 def _account(tables: list[pd.DataFrame], found: Ledger) -> None:

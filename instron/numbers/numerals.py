@@ -10,7 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 
 SPACES = " \u00a0\u202f\u2009\u2007"
-_EXPONENT = r"(?:[eE][-+]?\d+)?"
+# Fortran writes 1.0D-03; 12D3 may be a specimen's name.
+_EXPONENT = r"(?:[eE][-+]?\d+|[dD](?:[-+]\d+|\d{2,3}))?"
 _LOOKS = re.compile(rf"\s*[-+\u2212]?(?:\d[\d.,'\u2019{SPACES}]*|[.,]\d+){_EXPONENT}\s*")
 _PLAIN = {
     mark: re.compile(rf"[-+]?(?:\d+(?:[{mark}]\d*)?|[{mark}]\d+){_EXPONENT}") for mark in ".,"
@@ -22,6 +23,7 @@ _GROUPED = {
 }  # fmt: skip
 _MARK_NAMES = {".": "a decimal point", ",": "a decimal comma"}
 LONGEST_COUNT = 19  # digits
+_E = str.maketrans("dD", "ee")
 _MARKS = re.compile(r"[.,].*[.,]")
 _WHOLE_MILLIONS = re.compile(r"[-+]?\d{1,3}([,.])\d{3}(?:\1\d{3})+")
 
@@ -111,7 +113,7 @@ def to_numbers(cells: Sequence[str], mark: str) -> tuple[np.ndarray, bool]:
         if i in special:
             values[i] = _grouped_number(text, mark, i)
         else:
-            values[i] = float(text.replace(mark, ".")) if text else np.nan
+            values[i] = float(text.replace(mark, ".").translate(_E)) if text else np.nan
     if odd:
         _refuse_lost_decimals(values, texts, odd, mark)
         _refuse_unproven_groups(texts, odd, mark)

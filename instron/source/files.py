@@ -21,6 +21,11 @@ CHUNK = 1 << 18  # fits a core's cache
 FOREIGN = {"CR": b"\r", "CRCRLF": b"\r\r\n"}  # line ends that are rewritten
 RETURN, NEWLINE = b"\r\n"
 FORMATS = {b"TDAT": f"a Bluehill data file (.id_*): {BLUEHILL}"}
+QUOTES = [
+    (re.compile(mark, re.MULTILINE), re.compile(rb"%b(?:[,;\t]%b)+" % (cell, cell)))
+    for mark, cell in [(rb'(?:^|(?<=[,;\t]))="', rb'="[^"]*"'),
+                       (rb"(?:^|(?<=[,;\t]))'|'(?=[,;\t\r\n]|$)", rb"'[^']*'")]
+]  # fmt: skip
 ENCODINGS = ("gb18030", "shift_jis", "big5", "cp949", "cp1251", "cp1250", "cp850", "mac_roman")
 
 
@@ -158,6 +163,7 @@ def open_source(path: Path) -> Source:
     if utf16:
         return _rewritten(path, _decode_utf16(path, data, utf16), "utf-16", "utf-8")
     _refuse_foreign(path, data, start.decode("latin-1"))
+    data = _in_quotes(data, start)
     encoding = _encoding(data, start)
     newline = _newline(start)
     if newline in FOREIGN:
@@ -172,6 +178,15 @@ def _without_terminator(data: mmap.mmap | bytes) -> mmap.mmap | bytes:
     if not first.endswith(b"\0") or b"\0" in first[:-1] or not re.search(rb"[A-Za-z]{2}", first):
         return data
     return first[:-1] + data[len(first) :]
+
+
+def _in_quotes(data: mmap.mmap | bytes, start: bytes) -> mmap.mmap | bytes:
+    """Return the bytes with cells in common quotes: a spreadsheet is told text by ``="0.12"``."""
+    whole = start[: start.rfind(b"\n")].rpartition(b"\n")[2].strip()
+    for mark, row in QUOTES:
+        if row.fullmatch(whole):
+            return mark.sub(b'"', data[:])
+    return data
 
 
 def _newline(start: bytes) -> str:
@@ -215,6 +230,7 @@ def _decode_utf16(path: Path, data: mmap.mmap | bytes, encoding: str) -> str:
 
 def _rewritten(path: Path, text: str, written: str, encoding: str) -> Source:
     data = text.encode(encoding)
+    data = bytes(_in_quotes(data, data[:HEAD_BYTES]))
     newline = _newline(data[:HEAD_BYTES])
     if newline in FOREIGN:
         data = data.replace(FOREIGN[newline], b"\n")

@@ -2,15 +2,15 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from instron.headings.words import SPECIMEN, plain
 from instron.numbers.numerals import looks_numeric
 from instron.source.files import NEWLINE, RETURN, Source
-from instron.tables.footer import OUT_OF_RANGE
-from instron.tables.layout import Header, is_row, split_cells
+from instron.tables.footer import OUT_OF_RANGE, is_statistic
+from instron.tables.layout import Header, is_blank, is_row, split_cells
 
 # What starts a line that is no row: a word, or a bracket around one.
 WORDY = re.compile(r"[\s\"']*[^\W\d_]|[\s\"']*[(\[<#*]")
@@ -20,6 +20,7 @@ _LETTER[128:] = True
 _BEFORE = np.zeros(256, dtype=bool)
 _BEFORE[[*b" \t\"'"]] = True
 LONE_WORD = re.compile(r"[^\W\d_]{3,}( [^\W\d_]+)*[.:!]?")
+NEAR = 0.05  # of its span: how near to its beginning a time or displacement begins again
 FEW = 0.05  # of all lines are words, where blocks repeat
 
 
@@ -82,6 +83,54 @@ def goes_on(source: Source, number: int, used: list[int], delimiter: str) -> boo
     """Tell whether rows follow a mark between two blocks at once."""
     line = next((line for line in source.lines[number : number + 2] if line.strip()), "")
     return is_row(split_cells(line, delimiter), used)
+
+
+def group_below(
+    source: Source, header: Header, rows: Sequence[int], number: int, delimiter: str
+) -> Header | None:
+    """Return a header for rows that go on below a name, under the same columns, from the start.
+
+    Its line is that of its first row. What time, or else displacement, does tells a test of its
+    own from a remark and from a row that was damaged.
+    """
+    first = next(
+        (n for n in range(number + 1, len(source.lines)) if not is_blank(source.lines[n])), None
+    )
+    if not rows or first is None or not _is_name(split_cells(source.lines[number], delimiter)):
+        return None
+    lines = [split_cells(source.lines[n], delimiter) for n in (rows[0], rows[-1], first)]
+    if len(lines[2]) != len(lines[0]) or not is_row(lines[2], header.used()):
+        return None
+    for specimen in header.specimens:
+        index = specimen.get("time", specimen["displacement"]).index
+        try:
+            begin, end, again = (float(cells[index].replace(",", ".")) for cells in lines)
+        except ValueError:
+            return None
+        if abs(again - begin) > NEAR * abs(end - begin) or end == begin:
+            return None
+    return replace(header, line=first, first_row=first, units=None, doubts=[])
+
+
+def _is_name(cells: Sequence[str]) -> bool:
+    """Tell whether a line is a word or two, as ``Specimen 2`` and ``Sample,B``."""
+    filled = [cell for cell in cells if cell]
+    return (
+        0 < len(filled) <= 2
+        and bool(re.search(r"[^\W\d_]", filled[0]))
+        and not is_statistic(filled)
+    )
+
+
+def group_name(source: Source, header: Header, delimiter: str) -> str:
+    """Return the name that stands right above the first row of a group, below its columns."""
+    line = header.first_row - 1
+    while line >= 0 and is_blank(source.lines[line]):
+        line -= 1
+    cells = split_cells(source.lines[line], delimiter)
+    if header.line == line or line == header.units or not _is_name(cells):
+        return ""
+    return [cell for cell in cells if cell][-1].rpartition(":")[2].strip("[]<># ")
 
 
 def is_word_between(

@@ -115,6 +115,7 @@ def header_at(lines: list[str], number: int, delimiter: str, told: Told) -> Head
     names = split_cells(COMMENT.sub("", line) if delimiter == "spaces" else line, delimiter)
     if len(names) < 2 or sum(looks_numeric(name) for name in names) > len(names) // 2:
         return None
+    names = _with_dimension(lines, number, delimiter, names)
     units, place, described, above = _between(lines, after, delimiter, names)
     units = units or _units_above(lines, number, delimiter)
     following = _first_row(lines, above, delimiter, len(names))
@@ -210,6 +211,15 @@ def _units_above(lines: list[str], number: int, delimiter: str) -> list[str] | N
         if plain(name) in UNIT_LABELS and sum(map(is_unit, cells)) > 1:
             return ["", *cells]
     return None
+
+
+def _with_dimension(lines: list[str], number: int, delimiter: str, names: list[str]) -> list[str]:
+    """Return names in which LabVIEW's ``X_Value`` is what a line ``X_Dimension`` above says."""
+    if names[0] != "X_Value":
+        return names
+    above = (split_cells(line, delimiter) for line in lines[max(0, number - ABOVE) : number])
+    said = [cells[1] for cells in above if cells[0] == "X_Dimension" and len(cells) > 1]
+    return ["Time (s)", *names[1:]] if said == ["Time"] else names
 
 
 def _filled_beside(rows: list[str], delimiter: str, names: list[str]) -> int:

@@ -22,7 +22,10 @@ LONGEST_TABLE = 60  # lines
 _WORDS = re.compile(r"[^\W\d_]{3}")
 LABEL = re.compile(r"specimen (label|name|id)|sample (name|id|label)|^specimen$|^sample$|probe\b")
 
-LONE_LABEL = re.compile(r"(?i)(specimen|sample|probe|probeta|éprouvette|provino) \S+")
+LONE_LABEL = re.compile(
+    r"(?i)((?:specimen|sample|probe|probeta|éprouvette|provino) \S+"
+    r"|(?:test run|test|run|versuch|essai|ensayo|prova)(?: no\.| nr\.)? \d+)(?: raw data)?"
+)
 
 
 @dataclass(frozen=True)
@@ -69,8 +72,8 @@ def specimen_label(lines: list[str], delimiter: str) -> str | None:
     """Return the name that ``Specimen label, A1`` or ``[Specimen 1]`` gives, or None."""
     for line in lines:
         cells = [cell.strip("[]() ") for cell in split_cells(line, delimiter) if cell]
-        if len(cells) == 1 and LONE_LABEL.fullmatch(cells[0]):
-            return cells[0]
+        if len(cells) == 1 and (alone := LONE_LABEL.fullmatch(cells[0])):
+            return alone[1]
         for key, value in metadata([line], delimiter).items():
             if value and LABEL.search(plain(key)) and not _heads_table(line, delimiter):
                 return value

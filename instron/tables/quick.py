@@ -1,0 +1,132 @@
+"""The quick way: rows of a clean table by pandas' C reader, and only if nothing is in doubt."""
+
+import warnings
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from instron.numbers.bits import at, bits, pieces
+from instron.numbers.marks import QUOTE, marks_of
+from instron.numbers.numerals import Unclear, to_numbers
+from instron.source.files import Source
+from instron.tables.blocks import repeated_blocks
+from instron.tables.body import Body
+from instron.tables.layout import Header, split_cells
+
+
+def one_table(
+    source: Source, start: int, header: Header, delimiter: str, first: str
+) -> Body | None:
+    """Return the body if the source is one clean table from byte ``start`` on, else None."""
+    marks = marks_of(source.data, start, delimiter)
+    if marks is None:
+        return None
+    source.release()
+    table = _pandas(source, header, delimiter, marks, start)
+    if table is None or not isinstance(table.index, pd.RangeIndex):
+        return None  # pandas makes an index of the first column where a row is too wide
+    if any(table[i].dtype.kind not in "fi" for i in header.used()):
+        return None
+    values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
+    if header.first_unnamed() in table and _filled(table[header.first_unnamed()]):
+        return None
+    if not _quotes_are_whole(source, start, len(table), delimiter):
+        return None
+    if not _first_row_agrees(first, delimiter, marks[0], values):
+        return None
+    lines = range(header.first_row, header.first_row + len(table))
+    return Body(header, values, lines, marks[0], marks[1] is not None)
+
+
+def repeated_tables(source: Source, header: Header, delimiter: str) -> list[Body] | None:
+    """Return the tables of a file in which one header comes again and again, else None.
+
+    The rows of all are handed to the C reader at once.
+    """
+    blocks = repeated_blocks(source, header)
+    if blocks is None:
+        return None
+    rows = b"".join(source.data[a:b] for a, b in blocks.bytes)
+    joined = replace(source, data=rows, on_disk=False)
+    whole = one_table(joined, 0, header, delimiter, source.head[header.first_row])
+    counts = [stop - first for first, stop in blocks.lines]
+    if whole is None or len(whole.lines) != sum(counts):
+        return None
+    bodies, start, above = [], 0, 0
+    for (first, stop), count in zip(blocks.lines, counts, strict=True):
+        moved = first - header.first_row
+        units = None if header.units is None else header.units + moved
+        there = replace(header, line=header.line + moved, first_row=first, units=units)
+        values = {i: v[start : start + count] for i, v in whole.values.items()}
+        bodies.append(
+            Body(there, values, range(first, stop), whole.decimal, whole.thousands, above)
+        )
+        start, above = start + count, stop
+    return bodies
+
+
+def _filled(column: pd.Series) -> bool:
+    """Tell whether a column without a name holds anything: cells were torn apart."""
+    return bool((column.notna() & (column.astype(str) != "")).any())
+
+
+def _pandas(
+    source: Source, header: Header, delimiter: str, marks: tuple[str, str | None], start: int
+) -> pd.DataFrame | None:
+    """Return the C reader's table, or None where it stumbles, as at an empty cell.
+
+    Only specimens side by side may have some, where one is shorter.
+    """
+    form: dict[str, Any] = {"na_filter": False, "dtype": dict.fromkeys(header.used(), float)}
+    if len(header.specimens) > 1:
+        form = {}
+    try:
+        with warnings.catch_warnings(), source.opened(start) as body:
+            warnings.simplefilter("ignore")
+            return pd.read_csv(
+                body,
+                sep=r"\s+" if delimiter == "spaces" else delimiter,
+                header=None,
+                names=range(max(header.width, len(header.names))),
+                decimal=marks[0],
+                thousands=marks[1],
+                encoding_errors="replace",  # digits are ASCII; latin-1 is twice as slow
+                engine="c",
+                **form,
+            )
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError):
+        return None
+
+
+def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> bool:
+    """Return False if a quote stands within a cell, or a line break within quotes.
+
+    Of ``"773.98"5.00"`` the C reader makes 773.985, and of two lines one.
+    """
+    if source.data.find(b'"', start) < 0:
+        return True
+    for piece in pieces(np.frombuffer(source.data, dtype=np.uint8), start):
+        quote = bits(piece == QUOTE)
+        # Comma, TAB and line ends come before "-"; other such characters make no number anyway.
+        edge = bits(piece < ord("-")) & ~quote
+        if delimiter in ";|":
+            edge |= bits(piece == ord(delimiter))
+        if (quote & ~(at(edge, -1) | at(edge, 1)))[1:-1].any():
+            return False
+    tail = source.data[-1000:]
+    blank = max(tail[len(tail.rstrip(b"\r\n")) :].count(b"\n") - 1, 0)
+    return rows == source.count - source.data[:start].count(b"\n") - blank
+
+
+def _first_row_agrees(line: str, delimiter: str, mark: str, values: dict[int, np.ndarray]) -> bool:
+    """Guard against a reader that counts the lines of the preamble differently (quoted breaks)."""
+    cells = split_cells(line, delimiter)
+    filled = {i: cells[i] for i in values if i < len(cells) and cells[i]}
+    try:
+        numbers, _ = to_numbers(list(filled.values()), mark)
+    except Unclear:
+        return False
+    first = [values[i][0] for i in filled]
+    return bool(np.allclose(first, numbers, rtol=1e-12, atol=0))
