@@ -346,7 +346,7 @@ def _complete_rows(source: Source, body: Body, specimen: Specimen) -> slice:
     Specimens side by side end at different rows, and spreadsheets leave rows of bare delimiters.
     """
     columns = [body.values[c.index] for c in specimen.values()]
-    if not any(np.isnan(column).any() for column in columns):
+    if not any(np.isnan(column.max()) for column in columns):
         return slice(None)
     gaps = np.isnan(np.array(columns))
     own = gaps[[q != "time" for q in specimen], :]

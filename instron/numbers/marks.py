@@ -39,7 +39,9 @@ def _proven(pattern: re.Pattern[bytes], data: mmap | bytes, start: int) -> bool:
     return first is not None and pattern.search(data, first.end()) is not None
 
 
-def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str | None] | None:
+def marks_of(
+    data: mmap | bytes, start: int, delimiter: str, quoted: bool
+) -> tuple[str, str | None] | None:
     """Return decimal and thousands mark (None if nothing is grouped), or None in any doubt.
 
     A mark groups thousands only where every single one of it stands in a regular number such as
@@ -53,9 +55,11 @@ def marks_of(data: mmap | bytes, start: int, delimiter: str) -> tuple[str, str |
         Where its body starts.
     delimiter
         What divides its cells.
+    quoted
+        Whether there is a quote in the body.
     """
-    comma, point, quote = (data.find(mark, start) >= 0 for mark in (b",", b".", b'"'))
-    if delimiter == "," and quote:
+    comma, point = (data.find(mark, start) >= 0 for mark in (b",", b"."))
+    if delimiter == "," and quoted:
         return _between_commas(data, start, point)
     if delimiter == "," and not point and TORN.search(data, start):
         return None

@@ -30,6 +30,41 @@ ENCODINGS = ("gb18030", "shift_jis", "big5", "cp949", "cp1251", "cp1250", "cp850
 
 
 @dataclass(frozen=True)
+class Survey:
+    """What is in a file, seen in one pass over its bytes.
+
+    Attributes
+    ----------
+    zero
+        Place of the first zero byte, -1 if there is none.
+    quoted, lone
+        Whether there is a quote, and a carriage return without a line feed.
+    breaks
+        How many line feeds there are.
+    """
+
+    zero: int
+    quoted: bool
+    lone: bool
+    breaks: int
+
+
+def _survey(data: mmap.mmap | bytes) -> Survey:
+    zero, quoted, lone, breaks = -1, False, False, 0
+    for first in range(0, len(data), CHUNK):
+        text = data[first : first + CHUNK + 1]  # of the next piece one byte more
+        if zero < 0 <= (place := text.find(b"\0")):
+            zero = first + place
+        quoted = quoted or b'"' in text
+        codes = np.frombuffer(text, dtype=np.uint8)
+        feeds = codes == NEWLINE
+        breaks += int(np.count_nonzero(feeds[:CHUNK]))
+        if not lone and b"\r" in text:
+            lone = bool(((codes[:-1] == RETURN) & ~feeds[1:]).any())
+    return Survey(zero, quoted, lone, breaks)
+
+
+@dataclass(frozen=True)
 class Source:
     """Bytes of a file in an encoding whose delimiters and digits are plain ASCII."""
 
@@ -56,14 +91,14 @@ class Source:
             return data.decode("cp1252", errors="replace")
 
     @cached_property
+    def survey(self) -> "Survey":
+        """What one pass over all bytes tells."""
+        return _survey(self.data)
+
+    @property
     def count(self) -> int:
         """Return the number of lines."""
-        text = np.frombuffer(self.data, dtype=np.uint8)
-        breaks = sum(
-            int(np.count_nonzero(text[first : first + CHUNK] == NEWLINE))
-            for first in range(0, len(text), CHUNK)
-        )
-        return breaks + (not self.ends_in_newline())
+        return self.survey.breaks + (not self.ends_in_newline())
 
     @cached_property
     def _ends(self) -> np.ndarray:
@@ -124,9 +159,9 @@ def refuse_lone_returns(source: Source, line: int) -> None:
 
     Some readers end a row at it and others do not: it may cut a number in two, ``4\r.8``.
     """
-    start = source.offset(line)
-    if source.data.find(b"\r", start) < 0:
+    if not source.survey.lone:
         return
+    start = source.offset(line)
     for first, piece in source.chunks(start, overlap=1):
         lone = np.flatnonzero((piece[:-1] == RETURN) & (piece[1:] != NEWLINE))
         if len(lone):
@@ -161,15 +196,23 @@ def open_source(path: Path) -> Source:
     _refuse_binary(path, start)
     utf16 = _utf16(start)
     if utf16:
-        return _rewritten(path, _decode_utf16(path, data, utf16), "utf-16", "utf-8")
-    _refuse_foreign(path, data, start.decode("latin-1"))
+        return _without_zeros(_rewritten(path, _decode_utf16(path, data, utf16), "utf-16", "utf-8"))
+    _refuse_foreign(path, start.decode("latin-1"))
     data = _in_quotes(data, start)
     encoding = _encoding(data, start)
     newline = _newline(start)
     if newline in FOREIGN:
-        text = data[:].replace(FOREIGN[newline], b"\n")
-        return Source(path, text, encoding, encoding, newline, on_disk=False)
-    return Source(path, data, encoding, encoding, newline, on_disk=isinstance(data, mmap.mmap))
+        data = data[:].replace(FOREIGN[newline], b"\n")
+    on_disk = isinstance(data, mmap.mmap)
+    return _without_zeros(Source(path, data, encoding, encoding, newline, on_disk))
+
+
+def _without_zeros(source: Source) -> Source:
+    zero = source.survey.zero
+    if zero >= 0:
+        line = source.data[:zero].count(b"\n") + 1
+        raise Unreadable(f"{source.path}: line {line}: zero bytes: the file is damaged or binary")
+    return source
 
 
 def _without_terminator(data: mmap.mmap | bytes) -> mmap.mmap | bytes:
@@ -224,7 +267,7 @@ def _decode_utf16(path: Path, data: mmap.mmap | bytes, encoding: str) -> str:
     except UnicodeDecodeError as error:
         raise Unreadable(f"{path}: not valid UTF-16 at byte {error.start}") from None
     text = text.lstrip("\ufeff")
-    _refuse_foreign(path, text.encode("utf-8"), text[:200])
+    _refuse_foreign(path, text[:200])
     return text
 
 
@@ -245,7 +288,7 @@ def _refuse_binary(path: Path, start: bytes) -> None:
         raise Unreadable(f"{path}: {why}")
 
 
-def _refuse_foreign(path: Path, data: mmap.mmap | bytes, start: str) -> None:
+def _refuse_foreign(path: Path, start: str) -> None:
     """Refuse what is no text table, by its first characters."""
     opening = start[:200].lstrip("\ufeff\u00ef\u00bb\u00bf \r\n\t")
     if re.match(r"<[?!]|<(\w+)", opening) and re.search(r"<\?xml|<!doctype|</\w", start, re.I):
@@ -253,10 +296,6 @@ def _refuse_foreign(path: Path, data: mmap.mmap | bytes, start: str) -> None:
             f"{path}: line 1: an XML or HTML file, not an export; of a Bluehill sample or method"
             f" (.is_*, .im_*) {BLUEHILL}"
         )
-    zero = data.find(b"\0")
-    if zero >= 0:
-        line = data[:zero].count(b"\n") + 1
-        raise Unreadable(f"{path}: line {line}: zero bytes: the file is damaged or binary")
     if not opening:
         raise Unreadable(f"{path}: the file holds only blanks")
 

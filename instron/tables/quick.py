@@ -1,5 +1,6 @@
 """The quick way: rows of a clean table by pandas' C reader, and only if nothing is in doubt."""
 
+import csv
 import warnings
 from dataclasses import replace
 from typing import Any
@@ -20,11 +21,12 @@ def one_table(
     source: Source, start: int, header: Header, delimiter: str, first: str
 ) -> Body | None:
     """Return the body if the source is one clean table from byte ``start`` on, else None."""
-    marks = marks_of(source.data, start, delimiter)
+    quoted = source.survey.quoted and source.data.find(b'"', start) >= 0
+    marks = marks_of(source.data, start, delimiter, quoted)
     if marks is None:
         return None
     source.release()
-    table = _pandas(source, header, delimiter, marks, start)
+    table = _pandas(source, header, delimiter, marks, start, quoted)
     if table is None or not isinstance(table.index, pd.RangeIndex):
         return None  # pandas makes an index of the first column where a row is too wide
     if any(table[i].dtype.kind not in "fi" for i in header.used()):
@@ -32,7 +34,7 @@ def one_table(
     values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
     if header.first_unnamed() in table and _filled(table[header.first_unnamed()]):
         return None
-    if not _quotes_are_whole(source, start, len(table), delimiter):
+    if quoted and not _quotes_are_whole(source, start, len(table), delimiter):
         return None
     if not _first_row_agrees(first, delimiter, marks[0], values):
         return None
@@ -73,7 +75,12 @@ def _filled(column: pd.Series) -> bool:
 
 
 def _pandas(
-    source: Source, header: Header, delimiter: str, marks: tuple[str, str | None], start: int
+    source: Source,
+    header: Header,
+    delimiter: str,
+    marks: tuple[str, str | None],
+    start: int,
+    quoted: bool,
 ) -> pd.DataFrame | None:
     """Return the C reader's table, or None where it stumbles, as at an empty cell.
 
@@ -94,6 +101,7 @@ def _pandas(
                 thousands=marks[1],
                 encoding_errors="replace",  # digits are ASCII; latin-1 is twice as slow
                 engine="c",
+                quoting=csv.QUOTE_MINIMAL if quoted else csv.QUOTE_NONE,  # a fifth faster
                 **form,
             )
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError):
@@ -105,8 +113,6 @@ def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> 
 
     Of ``"773.98"5.00"`` the C reader makes 773.985, and of two lines one.
     """
-    if source.data.find(b'"', start) < 0:
-        return True
     for piece in pieces(np.frombuffer(source.data, dtype=np.uint8), start):
         quote = bits(piece == QUOTE)
         # Comma, TAB and line ends come before "-"; other such characters make no number anyway.

@@ -43,7 +43,7 @@ def test_thousands_are_those_of_a_reader_number_by_number(cells, german):
     if german:
         cells = [cell.translate(str.maketrans(",.", ".,")) for cell in cells]
     text = "\n".join(["head", "a;b", *(f"{c};1{',' if german else '.'}0" for c in cells), ""])
-    found = marks_of(text.encode(), text.index("\n", 5) + 1, ";")
+    found = marks_of(text.encode(), text.index("\n", 5) + 1, ";", quoted=False)
     mark = "." if german else ","
     if found is not None and found[1] is not None:
         assert grouped(cells, found[1])
@@ -59,11 +59,11 @@ def test_pieces_do_not_change_what_is_found(size, monkeypatch):
     rows = [f'{v / 7e4:.2f},"{v:,.2f}"' if v > 1e3 else f"{v:.2f},{v:.2f}" for v in values]
     start = b"Time,Load\n"
     data = start + "\n".join(rows).encode() + b"\n"
-    assert marks_of(data, len(start), ",") == (".", ",")
+    assert marks_of(data, len(start), ",", quoted=True) == (".", ",")
     broken = data.replace(b",00", b",0", 1).replace(b",1", b",01", 1)
-    assert marks_of(broken, len(start), ",") is None
+    assert marks_of(broken, len(start), ",", quoted=True) is None
     plain = data.replace(f'"{values[-1]:,.2f}"'.encode(), f"{values[-1]:.2f}".encode())
-    assert marks_of(plain, len(start), ",") is None
+    assert marks_of(plain, len(start), ",", quoted=True) is None
 
 
 @given(st.lists(st.booleans(), min_size=128, max_size=128), st.integers(-9, 9).filter(bool))
