@@ -25,6 +25,7 @@ SHIFTS = (-2, -1, 0, 1, 2)  # places by which the axis may be off
 SLOWEST = 0.5 * RATES[RATES > 0].min()
 KNOWN = 0.7  # length of the mean of exp(i phi)
 HOP = 0.1  # chance a section to go to the next pitch
+LEAST = 1e-18  # probability of a state
 WANDER = 0.05  # chance a section that the phase of strands that do not wind goes one on
 
 
@@ -116,13 +117,13 @@ def _height(radius: float, phi: Array, x: Array, u: Array) -> Array:
 
 def _matched(said: Array, pictures: Array) -> Array:
     """Log probability (n, states) of each section, the axis being off by the best of SHIFTS."""
-    best = np.full((len(said), len(pictures)), -np.inf, np.float32)
+    best, match = np.full((2, len(said), len(pictures)), -np.inf, np.float32)
     bare = np.log(np.array([ODD / 3, ODD / 3, 1 - 2 * ODD / 3], np.float32))
     for shift in SHIFTS:
         moved = np.roll(said, shift, axis=1)
         moved[:, slice(0, shift) if shift > 0 else slice(said.shape[1] + shift, None)] = bare
-        match = (moved if shift else said).reshape(len(said), -1) @ pictures.T
-        best = np.maximum(best, match)
+        np.matmul((moved if shift else said).reshape(len(said), -1), pictures.T, out=match)
+        np.maximum(best, match, out=best)
     return best
 
 
@@ -144,69 +145,84 @@ def _agreement(shown: Array, pictures: Array) -> Array:
 def _walk(emitted: Array, move: Array) -> tuple[float, Array]:
     """Log evidence, and distribution (n, rates, phases) of the states (forward-backward)."""
     top = emitted.max(axis=(1, 2), keepdims=True)
-    posterior = np.exp(emitted - top)
+    posterior = np.exp(np.maximum(emitted - top, np.log(LEAST, dtype=np.float32)))
     totals = np.empty(len(posterior))
     whole = np.floor(move)
     _forth_and_back(posterior, whole.astype(int), (move - whole).astype(np.float32), totals)
     return float(np.log(totals).sum() + top.sum()), posterior
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, fastmath={"reassoc", "contract", "nsz"})
 def _forth_and_back(likely, whole, part, totals):
     """Turn likelihoods (n, rates, phases) into the distribution of the states."""
-    n = len(likely)
+    n, rates, phases = likely.shape
     seen = likely.copy()
-    p = np.full(likely.shape[1:], 1 / likely[0].size, likely.dtype)
-    moved = p.copy()
+    moved = np.full((rates, phases), np.float32(1 / (rates * phases)), likely.dtype)
+    twice = np.empty(2 * phases, likely.dtype)
     for t in range(n):
         if t:
-            _hop(p, moved)
-            _move(moved, whole, part, p)
-        p *= seen[t]
-        totals[t] = p.sum()
-        p /= totals[t]
-        likely[t] = p
-    back = np.ones_like(p)
+            _hop_and_move(likely[t - 1], whole, part, twice, moved)
+        totals[t] = _weighed(moved, seen[t], likely[t])
+    back = np.ones((rates, phases), likely.dtype)
     for t in range(n - 2, -1, -1):
-        back *= seen[t + 1]
-        _move_back(back, whole, part, moved)
-        _hop(moved, back)
-        back /= back.sum()
-        likely[t] *= back
-        likely[t] /= max(likely[t].sum(), 1e-30)
+        _weighed(back, seen[t + 1], back)
+        _move_back_and_hop(back, whole, part, twice, moved)
+        _weighed(likely[t], back, likely[t])
 
 
-@numba.njit(cache=True)
-def _hop(p, out):
-    """Let the rate go to its neighbours."""
-    rates = len(p)
-    for r in range(rates):
+@numba.njit(cache=True, fastmath={"reassoc", "contract", "nsz"})
+def _weighed(p, by, out):
+    """Multiply two distributions, so that they sum to one; returns what they summed to.
+
+    Nothing falls below LEAST: numbers too small to be normal would take a hundred times as long.
+    """
+    total = np.float32(0)
+    for r in range(len(p)):
         for c in range(p.shape[1]):
-            beside = (p[r - 1, c] if r else 0.0) + (p[r + 1, c] if r < rates - 1 else 0.0)
-            out[r, c] = (1 - 2 * HOP) * p[r, c] + HOP * beside
+            out[r, c] = p[r, c] * by[r, c]
+            total += out[r, c]
+    each = np.float32(1 / max(total, LEAST))
+    for r in range(len(p)):
+        for c in range(p.shape[1]):
+            out[r, c] = max(out[r, c] * each, np.float32(LEAST))
+    return total
 
 
-@numba.njit(cache=True)
-def _move(p, whole, part, out):
-    """Turn a distribution on by each rate's cells, shared between two."""
+@numba.njit(cache=True, fastmath={"reassoc", "contract", "nsz"})
+def _neighbours(p, r, out):
+    """Let the rate go to its neighbours: row ``r`` of what is left."""
+    above, below = p[max(r - 1, 0)], p[min(r + 1, len(p) - 1)]
+    up, down = np.float32(HOP * (r > 0)), np.float32(HOP * (r < len(p) - 1))
+    for c in range(p.shape[1]):
+        out[c] = np.float32(1 - 2 * HOP) * p[r, c] + up * above[c] + down * below[c]
+
+
+@numba.njit(cache=True, fastmath={"reassoc", "contract", "nsz"})
+def _hop_and_move(p, whole, part, twice, out):
+    """Let the rate hop, then turn on by each rate's cells, shared between two."""
     phases = p.shape[1]
     for r in range(len(p)):
-        at = -whole[r] % phases
+        _neighbours(p, r, twice[:phases])
+        twice[phases:] = twice[:phases]
+        at = -(whole[r] + 1) % phases
+        before = twice[at : at + phases + 1]
         for c in range(phases):
-            out[r, c] = (1 - part[r]) * p[r, at] + part[r] * p[r, at - 1]
-            at = at + 1 if at < phases - 1 else 0
+            out[r, c] = (1 - part[r]) * before[c + 1] + part[r] * before[c]
 
 
-@numba.njit(cache=True)
-def _move_back(p, whole, part, out):
-    """Bring to each state what those weigh that it turns into (the transpose of `_move`)."""
+@numba.njit(cache=True, fastmath={"reassoc", "contract", "nsz"})
+def _move_back_and_hop(p, whole, part, twice, moved):
+    """Bring to each state what those weigh that it turns into (the transpose of the above)."""
     phases = p.shape[1]
     for r in range(len(p)):
+        twice[:phases] = p[r]
+        twice[phases:] = p[r]
         at = whole[r] % phases
+        after = twice[at : at + phases + 1]
         for c in range(phases):
-            after = at + 1 if at < phases - 1 else 0
-            out[r, c] = (1 - part[r]) * p[r, at] + part[r] * p[r, after]
-            at = after
+            moved[r, c] = (1 - part[r]) * after[c] + part[r] * after[c + 1]
+    for r in range(len(p)):
+        _neighbours(moved, r, p[r])
 
 
 def _still(emitted: Array) -> float:
