@@ -171,17 +171,25 @@ def _resolved(hits: list[Hit], lines: list[np.ndarray], spreads: list[np.ndarray
 
 
 def _parting(p: Hit, q: Hit, lines: list[np.ndarray], spreads: list[np.ndarray]) -> float:
-    """Largest distance between two lines from one crossing to the next, over its uncertainty."""
+    """Largest distance between two lines from one crossing to the next, over its uncertainty.
+
+    Where that is at least APART, some distance that is.
+    """
     a, b = p.strand_a - 1, p.strand_b - 1
     on_a, on_b = _between(lines[a], p.s_a, q.s_a), _between(lines[b], p.s_b, q.s_b)
     if max(spreads[a].max(), spreads[b].max()) == 0:
         return np.inf
     if not on_a.any() or not on_b.any():
         return 0.0
-    nearest = cKDTree(lines[b][on_b]).query(lines[a][on_a])[1]
-    away = lines[a][on_a] - lines[b][on_b][nearest]
-    apart = np.abs((away * normals(lines[b])[on_b][nearest]).sum(axis=1))
-    return float(apart.max() / np.hypot(spreads[a][on_a].max(), spreads[b][on_b].max()))
+    sd = np.hypot(spreads[a][on_a].max(), spreads[b][on_b].max())
+    first, second, normal = lines[a][on_a], lines[b][on_b], normals(lines[b])[on_b]
+    half_way = first[len(first) // 2]
+    nearest = np.hypot(*(second - half_way).T).argmin()
+    apart = abs((half_way - second[nearest]) @ normal[nearest])
+    if apart < APART * sd:
+        nearest = cKDTree(second).query(first)[1]
+        apart = np.abs(((first - second[nearest]) * normal[nearest]).sum(axis=1)).max()
+    return float(apart / sd)
 
 
 def _between(line: np.ndarray, low: float, high: float) -> np.ndarray:

@@ -65,12 +65,15 @@ def unresolved(strands: Sequence[Strand], table: pd.DataFrame) -> pd.DataFrame:
         return _typed([])
     width = float(np.median(np.concatenate([strand.width for strand in strands])))
     trees = [cKDTree(strand.line) for strand in strands]
+    across = [normals(strand.line) for strand in strands]
+    along = [arclength(strand.line) for strand in strands]
+    who, where = (table[[f"{what}_a", f"{what}_b"]].to_numpy() for what in ("strand", "s"))
     rows = []
     for a, b in combinations_with_replacement(range(len(strands)), 2):
-        near = _near(strands[a], strands[b], trees[a], trees[b], width)
-        own = table[(table["strand_a"] == a + 1) & (table["strand_b"] == b + 1)]
-        for stretch in _stretches(near, strands[a].line, width):
-            row = _row(stretch, strands[a].line, strands[b].line, own)
+        near = _near(strands[a], strands[b], trees[a], trees[b], across[b], width)
+        own = where[(who == (a + 1, b + 1)).all(axis=1)]
+        for stretch in _stretches(near, along[a], width):
+            row = _row(stretch, strands[a].line, along[a], along[b], own)
             if _is_unresolved(row, stretch, width):
                 rows.append({"strand_a": a + 1, "strand_b": b + 1, **row})
     kinds = {True: "self", False: "inter"}
@@ -82,7 +85,9 @@ def _typed(rows: list[dict]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
 
 
-def _near(a: Strand, b: Strand, tree_a: cKDTree, tree_b: cKDTree, width: float) -> Near:
+def _near(
+    a: Strand, b: Strand, tree_a: cKDTree, tree_b: cKDTree, normal: np.ndarray, width: float
+) -> Near:
     """Points of `a` that are not told apart from the nearest point of `b`."""
     reach = min(TOGETHER * float(np.hypot(a.sd.max(), b.sd.max())) + 1, FARTHEST * width)
     if a is b:
@@ -91,7 +96,7 @@ def _near(a: Strand, b: Strand, tree_a: cKDTree, tree_b: cKDTree, width: float) 
         far, nearest = tree_b.query(a.line, distance_upper_bound=reach)
         on_a = np.flatnonzero(np.isfinite(far))
         on_b = nearest[on_a]
-    across = ((a.line[on_a] - b.line[on_b]) * normals(b.line)[on_b]).sum(axis=1)
+    across = ((a.line[on_a] - b.line[on_b]) * normal[on_b]).sum(axis=1)
     apart = np.abs(across) / np.hypot(a.sd[on_a], b.sd[on_b])
     together = apart < TOGETHER
     return Near(on_a[together], on_b[together], apart[together])
@@ -107,21 +112,23 @@ def _nearest_of_itself(tree: cKDTree, reach: float, fold: float) -> tuple[np.nda
     return pairs[first, 0], pairs[first, 1]
 
 
-def _stretches(near: Near, line: np.ndarray, width: float) -> list[Near]:
+def _stretches(near: Near, s: np.ndarray, width: float) -> list[Near]:
     """Cut where a strand is away from the other for longer than BREAK."""
     if len(near.on_a) == 0:
         return []
-    cuts = np.flatnonzero(np.diff(arclength(line)[near.on_a]) > BREAK * width) + 1
+    cuts = np.flatnonzero(np.diff(s[near.on_a]) > BREAK * width) + 1
     parts = zip(*(np.split(column, cuts) for column in near), strict=True)
     return [Near(*part) for part in parts]
 
 
-def _row(stretch: Near, a: np.ndarray, b: np.ndarray, own: pd.DataFrame) -> dict[str, float]:
-    """Extent of a stretch, and how many of a pair's crossings lie in it."""
-    s_a, s_b = arclength(a)[stretch.on_a], arclength(b)[stretch.on_b]
-    inside = own["s_a"].between(s_a[0] - 1, s_a[-1] + 1)  # points are about a pixel apart
-    inside &= own["s_b"].between(s_b.min() - 1, s_b.max() + 1)
-    (x_from, y_from), (x_to, y_to) = a[stretch.on_a[[0, -1]]]
+def _row(
+    stretch: Near, line: np.ndarray, along_a: np.ndarray, along_b: np.ndarray, own: np.ndarray
+) -> dict[str, float]:
+    """Extent of a stretch, and how many of a pair's crossings (n, 2: arclengths) lie in it."""
+    s_a, s_b = along_a[stretch.on_a], along_b[stretch.on_b]
+    low, high = np.array([[s_a[0], s_b.min()], [s_a[-1], s_b.max()]])
+    inside = ((own >= low - 1) & (own <= high + 1)).all(axis=1)  # points are about a pixel apart
+    (x_from, y_from), (x_to, y_to) = line[stretch.on_a[[0, -1]]]
     return {
         "crossings": int(inside.sum()),
         "s_a_from": s_a[0], "s_a_to": s_a[-1], "s_b_from": s_b.min(), "s_b_to": s_b.max(),

@@ -104,20 +104,24 @@ def edge_blur(photo: Photo, width: float, strands: Sequence[Strand]) -> float:
 
 def _ends(photo: Photo, segmentation: Segmentation, strands: Sequence[Strand]) -> list[str]:
     """Strands that leave the picture, or end where it is burnt out."""
-    burnt = photo.pixels.min(axis=2) >= BURNT * np.iinfo(photo.pixels.dtype).max
-    bright_ground = burnt.mean() > 0.3  # a white ground at full scale hides no strand
+    bright_ground = _burnt(photo.pixels[::4, ::4]) > 0.3  # white at full scale hides no strand
     reach = int(np.ceil(NEAR * segmentation.width))
     notes, leaving = [], []
     for number, strand in enumerate(strands, start=1):
         for end, point in zip(strand.ends, (strand.line[0], strand.line[-1]), strict=True):
             x, y = np.maximum(np.round(point).astype(int), 0)
-            around = burnt[max(y - reach, 0) : y + reach + 1, max(x - reach, 0) : x + reach + 1]
+            around = np.s_[max(y - reach, 0) : y + reach + 1, max(x - reach, 0) : x + reach + 1]
             if end == "clipped":
                 leaving.append(str(number))
-            elif around.mean() > 0.2 and not bright_ground:
+            elif _burnt(photo.pixels[around]) > 0.2 and not bright_ground:
                 notes.append(f"strand {number} ends in glare at x = {x}, y = {y}: light it softly")
     if leaving:
         which = ", ".join(dict.fromkeys(leaving))
         plural = "s leave" if len(set(leaving)) > 1 else " leaves"
         notes.append(f"strand{plural} the picture: {which}")
     return notes
+
+
+def _burnt(pixels: np.ndarray) -> float:
+    """Share of pixels (h, w, 3) of which every channel is at full scale."""
+    return float((pixels.min(axis=2) >= BURNT * np.iinfo(pixels.dtype).max).mean())

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 import pandas as pd
-from skimage.morphology import skeletonize
 
 from imaging.segment import Segmentation
 from imaging.segment.crests import stands_out
-from imaging.segment.skeleton import degrees, in_order, linked
+from imaging.segment.skeleton import degrees, in_order, linked, thinned
 from imaging.trace import Strand
 
 BESIDE = 1.0  # strand widths from a strand's middle; a ridge nearer to it is its own
@@ -67,7 +66,7 @@ def _along_colours(segmentation: Segmentation, free: np.ndarray) -> list[np.ndar
     x, y, w, h = cv2.boundingRect(rest.view(np.uint8))
     if w == 0:
         return []
-    thin = skeletonize(np.pad(rest[y : y + h, x : x + w], 1))
+    thin = thinned(np.pad(rest[y : y + h, x : x + w], 1))
     points, touching = linked(thin)
     simple = degrees(touching) <= 2
     points, touching = points[simple], touching[simple][:, simple]

@@ -40,6 +40,8 @@ def calibrate(photo: Photo, request: Request | None) -> tuple[Scale | None, Phot
         scale = _on_board(_board_photo(photo, request.board), request)[0]
     else:
         scale, photo = _on_board(photo, request)
+        if request.kind in ("marker", "plane"):
+            return scale.with_doubt(request.length_sd), photo
     return scale.with_doubt(request.length_sd), without_markers(photo)
 
 

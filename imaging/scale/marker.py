@@ -15,7 +15,10 @@ DICTIONARIES = ("DICT_4X4_50", "DICT_5X5_50", "DICT_6X6_50", "DICT_ARUCO_ORIGINA
 # 0.8, 1.5 px. Cameras sharpen again by an unknown amount, so this is stated and not corrected.
 SIDE_SD = 0.4  # px
 WHITE_MARGIN = 0.35  # of a marker's side: its white rim, and what blur spreads of it
-LONGEST = 2000  # px; longer pictures are shrunk to look for markers that only have to be hidden
+LONGEST = 2000  # px; pictures twice as long, or more, are shrunk to look where markers are
+WINDOW = 13  # px of theirs, over which light is taken to be even there
+EVERYWHERE = np.s_[:, :]
+Seen = dict[str, list[np.ndarray]]  # dictionary -> corners (4, 2) of its markers [px]
 
 
 def from_marker(photo: Photo, side: float, *, perspective: bool = False) -> tuple[Scale, Photo]:
@@ -35,7 +38,7 @@ def from_marker(photo: Photo, side: float, *, perspective: bool = False) -> tupl
     scale : Scale
         Its sd holds what blur does to the sides, and their inequality (tilt).
     photo : Photo
-        The same with the marker to be ignored.
+        The same with this marker, and any of another kind, to be ignored.
 
     Raises
     ------
@@ -44,7 +47,8 @@ def from_marker(photo: Photo, side: float, *, perspective: bool = False) -> tupl
     """
     if not side > 0:
         raise Unmeasurable(f"marker side of {side:g} m; it must be positive")
-    corners = find_marker(photo)
+    seen = seen_small(photo)
+    corners = find_marker(photo, seen)
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     mean = float(sides.mean())
     relative = float(np.hypot(SIDE_SD, sides.std()) / mean)
@@ -52,37 +56,82 @@ def from_marker(photo: Photo, side: float, *, perspective: bool = False) -> tupl
     plane = None
     if perspective:
         plane = fit_plane(corners, square, photo.shape, SIDE_SD, lens=False)
-    return Scale(side / mean, relative, "ArUco marker", plane), _without(photo, corners)
+    return Scale(side / mean, relative, "ArUco marker", plane), _without(
+        without_markers(photo, seen), corners
+    )
 
 
-def find_marker(photo: Photo) -> np.ndarray:
-    """Return the corners of the only ArUco marker, (4, 2) [px], clockwise from its top left."""
-    grey = cv2.transform(photo.eight_bits(), np.full((1, 3), 1 / 3))
-    settings = cv2.aruco.DetectorParameters()
-    settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+def find_marker(photo: Photo, seen: Seen | None = None) -> np.ndarray:
+    """Return the corners of the only ArUco marker, (4, 2) [px], clockwise from its top left.
+
+    Looked for at full resolution around where it is `seen` in a smaller picture, if it is alone
+    there, else everywhere.
+    """
+    seen = seen_small(photo) if seen is None else seen
+    if [len(places) for places in seen.values()] == [1]:
+        ((name, (rough,)),) = seen.items()
+        found = _sharp(photo, name, _around(rough))
+        if len(found) == 1:
+            return found[0]
     for name in DICTIONARIES:
-        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
-        found, _, _ = cv2.aruco.ArucoDetector(dictionary, settings).detectMarkers(grey)
+        found = _sharp(photo, name, EVERYWHERE)
         if len(found) > 1:
             raise Unmeasurable(f"{photo.source}: {len(found)} ArUco markers; leave one to be seen")
         if len(found) == 1:
-            return found[0].reshape(4, 2).astype(float)
+            return found[0]
     raise Unmeasurable(
         f"{photo.source}: no ArUco marker found ({', '.join(DICTIONARIES)}); "
         "show one whole and sharp, or state the scale in another way"
     )
 
 
-def without_markers(photo: Photo) -> Photo:
-    """Return the photograph with its ArUco markers, if any, to be ignored: they are no strands."""
-    shrink = max(1.0, max(photo.shape) / LONGEST)
-    size = [round(side / shrink) for side in photo.shape[::-1]]
-    small = cv2.resize(photo.pixels, size, interpolation=cv2.INTER_AREA)
-    grey = (small.mean(axis=2) * (255 / np.iinfo(photo.pixels.dtype).max)).astype(np.uint8)
+def _sharp(photo: Photo, name: str, window: tuple[slice, slice]) -> list[np.ndarray]:
+    """Corners (4, 2) [px] of the markers of a dictionary in a window, to a fraction of a pixel."""
+    settings = cv2.aruco.DetectorParameters()
+    settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+    part = replace(photo, pixels=photo.pixels[window], ignore=None)
+    grey = cv2.transform(part.eight_bits(), np.full((1, 3), 1 / 3))
+    corner = [cut.start or 0 for cut in window[::-1]]
+    found = _detector(name, settings).detectMarkers(grey)[0]
+    return [corners.reshape(4, 2).astype(float) + corner for corners in found]
+
+
+def _around(corners: np.ndarray) -> tuple[slice, slice]:
+    """Window that holds a marker and as much again on every side."""
+    (left, top), (right, bottom) = corners.min(axis=0), corners.max(axis=0)
+    reach = max(right - left, bottom - top)
+    return np.s_[
+        max(int(top - reach), 0) : int(bottom + reach),
+        max(int(left - reach), 0) : int(right + reach),
+    ]
+
+
+def _detector(name: str, settings: cv2.aruco.DetectorParameters) -> cv2.aruco.ArucoDetector:
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+    return cv2.aruco.ArucoDetector(dictionary, settings)
+
+
+def seen_small(photo: Photo) -> Seen:
+    """Rough corners (4, 2) [px] of the markers of each dictionary, in a smaller picture."""
+    shrink = max(1, max(photo.shape) // LONGEST)  # a whole number: five times as fast
+    whole = photo.pixels[: photo.shape[0] // shrink * shrink, : photo.shape[1] // shrink * shrink]
+    size = (whole.shape[1] // shrink, whole.shape[0] // shrink)
+    small = cv2.resize(whole, size, interpolation=cv2.INTER_AREA)
+    grey = cv2.transform(small, np.full((1, 3), 255 / 3 / np.iinfo(photo.pixels.dtype).max))
+    settings = cv2.aruco.DetectorParameters()
+    settings.adaptiveThreshWinSizeMin = settings.adaptiveThreshWinSizeMax = WINDOW
+    seen = {}
     for name in DICTIONARIES:
-        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
-        for corners in cv2.aruco.ArucoDetector(dictionary).detectMarkers(grey)[0]:
-            photo = _without(photo, shrink * corners.reshape(4, 2).astype(float))
+        if found := _detector(name, settings).detectMarkers(grey.astype(np.uint8))[0]:
+            seen[name] = [shrink * corners.reshape(4, 2).astype(float) for corners in found]
+    return seen
+
+
+def without_markers(photo: Photo, seen: Seen | None = None) -> Photo:
+    """Return the photograph with its ArUco markers, if any, to be ignored: they are no strands."""
+    for places in (seen_small(photo) if seen is None else seen).values():
+        for corners in places:
+            photo = _without(photo, corners)
     return photo
 
 

@@ -21,14 +21,13 @@ from imaging.segment.coverage import (
     NO_STRAND,
     coverage_of,
     depth_in_colour,
-    depth_of,
     places_around,
     shared_out,
     single_width,
     strip_width,
-    summit,
     typical_width,
 )
+from imaging.segment.depths import depth_of, places_of, summit
 from imaging.segment.gloss import without_highlights
 from imaging.segment.ground import Ground, contrast_of, in_even_light
 from imaging.segment.palette import colour_features, find_colours, unmixed, vote
@@ -107,7 +106,7 @@ def _palette(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Features of the strand pixels and how much each has to say; colours, as features and Lab."""
     strand = coverage > EDGE
-    at = np.flatnonzero(strand)
+    at = places_of(strand)
     covered = coverage.ravel()[at]
     seen = _pixels(lab, at)
     under = ground.at(at)

@@ -12,8 +12,9 @@ import numpy as np
 from imaging.errors import Unmeasurable
 from imaging.photo import Photo
 from imaging.segment.cast import grounds, of_ground, of_shadow
-from imaging.segment.coverage import EDGE, coverage_of, depth_of, shared_out
+from imaging.segment.coverage import EDGE, coverage_of, shared_out
 from imaging.segment.crests import BROAD, Piece, near_pieces, pieces_of, sure_ones, usual_width
+from imaging.segment.depths import depth_of
 from imaging.segment.ground import Ground, contrast_of, ground_between, in_even_light
 from imaging.segment.lattice import of_lattice
 from imaging.segment.naming import named, of_enough, painted

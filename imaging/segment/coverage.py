@@ -13,6 +13,7 @@ import numpy as np
 
 from imaging.errors import Unmeasurable
 from imaging.photo import Photo
+from imaging.segment.depths import depth_of, nearest_level, places_of, summit
 
 EDGE = 0.5  # fraction of the strand's contrast that marks its edge
 NOISE_FACTOR = 4.0  # times the background's median contrast after a 3 x 3 mean; above is strand
@@ -84,31 +85,11 @@ def around_all(mask: np.ndarray) -> tuple[slice, slice]:
 
 def _against_ridge(contrast: np.ndarray, smooth: np.ndarray, coarse: np.ndarray) -> np.ndarray:
     """Contrast divided by that of the nearest ridge, clipped to [0, 1]."""
-    ridge = summit(depth_of(coarse))
-    off = np.ones(coarse.shape, np.uint8)
-    off.ravel()[ridge] = 0
-    _, nearest = cv2.distanceTransformWithLabels(
-        off, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
-    )
-    nearest = nearest.ravel()
-    level = np.full(len(ridge) + 1, 1e-6, np.float32)
-    level[nearest[ridge]] = np.maximum(smooth.ravel()[ridge], np.float32(1e-6))
-    at = np.flatnonzero(coarse)
+    ridge, at = summit(depth_of(coarse)), places_of(coarse)
+    level = nearest_level(at, ridge, np.maximum(smooth.ravel()[ridge], 1e-6), coarse.shape)
     coverage = np.zeros(coarse.shape, np.float32)
-    coverage.ravel()[at] = np.minimum(contrast.ravel()[at] / level[nearest[at]], 1)
+    coverage.ravel()[at] = np.minimum(contrast.ravel()[at] / level, 1)
     return coverage
-
-
-def depth_of(mask: np.ndarray) -> np.ndarray:
-    """Return the distance to the outside of a mask [px], 0 outside."""
-    return cv2.distanceTransform(mask.view(np.uint8), cv2.DIST_L2, 5)
-
-
-def summit(depth: np.ndarray, least: float = 0.0) -> np.ndarray:
-    """Medial axis deeper than `least`: places in the flattened picture of the deepest around."""
-    highest = cv2.dilate(depth, np.ones((3, 3), np.uint8)).ravel()
-    at = np.flatnonzero(depth > least)
-    return at[depth.ravel()[at] >= highest[at] - np.float32(0.3)]
 
 
 def typical_width(depth: np.ndarray) -> float:
@@ -186,7 +167,7 @@ def shared_out(coverage: np.ndarray, labels: np.ndarray, count: int) -> np.ndarr
     flat = membership.reshape(-1)
     lowest, highest = _around(labels)
     coverage[highest == 0] = 0
-    at = np.flatnonzero(highest > 0)
+    at = places_of(highest)
     colour = highest.ravel()[at].astype(np.intp) - 1
     several = lowest.ravel()[at] <= colour
     one = ~several

@@ -7,6 +7,8 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
+from imaging.segment.depths import places_of
+
 CELL = 3.0  # side of a histogram cell, in units of 100 x (a, b)/(L + 16)
 RIM = 5  # empty cells around the histogram, more than its smoothing reaches
 LIGHTNESS_WEIGHT = 0.35  # of log(L + 16) beside (a, b)/(L + 16)
@@ -161,7 +163,7 @@ def vote(
         0 outside strands, else 1 + the index of the colour.
     """
     nearest = _nearest(features, centres)
-    y, x = np.divmod(np.flatnonzero(strand), strand.shape[1])
+    y, x = np.divmod(places_of(strand), strand.shape[1])
     sigma = max(SPREAD * width, BLUR)
     reach = int(np.ceil(FARTHEST * sigma))
     labels = np.zeros(strand.shape, np.uint8)

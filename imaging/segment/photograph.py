@@ -11,12 +11,14 @@ from imaging.errors import Unmeasurable
 from imaging.photo import Photo
 from imaging.segment.by_colour import by_colour
 from imaging.segment.by_ridge import by_ridge
-from imaging.segment.coverage import MIN_CONTRAST, NOISE_FACTOR, around_all, depth_of, summit
+from imaging.segment.coverage import MIN_CONTRAST, NOISE_FACTOR, around_all
+from imaging.segment.depths import depth_of, summit
 from imaging.segment.ground import Ground, contrast_of, ground_of
 from imaging.segment.ruling import erase_ruling
 from imaging.segment.segmentation import Segmentation
 
 MEDIAN = 0.6745  # sds of a Gaussian; half of it lies within
+SOME = 7  # rows; of each the noise is looked at in one
 LARGER = 4  # px; side of the pixels in which texture is told from noise
 CHANGING = 0.06  # banded cables have 0.1 to 0.6, tangles of strands of one colour each up to 0.03
 PAIR = 3  # colours; two or three may be of strands twisted together, which change places as often
@@ -97,6 +99,7 @@ def _noise(lab: np.ndarray) -> float:
     """Sd of what differs from pixel to pixel [Lab units], all three channels together."""
     if min(lab.shape[:2]) < 3:
         return 0.0
-    around = (lab[1:-1, :-2] + lab[1:-1, 2:] + lab[:-2, 1:-1] + lab[2:, 1:-1]) / 4
-    off = np.median(np.abs(lab[1:-1, 1:-1] - around).reshape(-1, 3)[::7], axis=0)
+    above, here, below = (lab[row : len(lab) - 2 + row : SOME] for row in range(3))
+    around = (here[:, :-2] + here[:, 2:] + above[:, 1:-1] + below[:, 1:-1]) / 4
+    off = np.median(np.abs(here[:, 1:-1] - around).reshape(-1, 3), axis=0)
     return float(np.linalg.norm(off)) / (MEDIAN * 1.25**0.5)  # a mean of four adds a quarter

@@ -6,9 +6,8 @@ import cv2
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
-from skimage.morphology import skeletonize
 
-from imaging.segment.skeleton import degrees, in_order, linked
+from imaging.segment.skeleton import degrees, in_order, linked, thinned
 from imaging.trace.centreline import resample
 
 TRIM = 0.5  # strand widths at each end of a skeleton, where it turns into a corner
@@ -76,7 +75,7 @@ def _pixel_by_pixel(path: np.ndarray, scale: int) -> np.ndarray:
 
 def _skeleton_paths(mask: np.ndarray, width: float) -> list[np.ndarray]:
     """Skeleton of a mask with an empty rim, in simple paths (n, 2) of points x, y."""
-    points, touching = linked(without_spurs(skeletonize(mask), width))
+    points, touching = linked(without_spurs(thinned(mask), width))
     junctions = points[degrees(touching) > 2]
     if len(junctions):
         away = cKDTree(junctions).query(points)[0] > CLEAR * width
@@ -105,7 +104,7 @@ def without_spurs(skeleton: np.ndarray, width: float) -> np.ndarray:
     spur |= knot & ~junction & (touching @ spur > 0)  # its stump, or else the junction stays
     x, y = points[spur].T
     skeleton[y, x] = False
-    return skeletonize(skeleton)
+    return thinned(skeleton)
 
 
 def _trimmed(path: np.ndarray, width: float) -> np.ndarray:

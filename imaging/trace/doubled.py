@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from scipy.spatial import cKDTree
 
+from imaging.segment.skeleton import blobs
 from imaging.trace.branches import End
 from imaging.trace.centreline import edges
 from imaging.trace.matching import Gain
@@ -46,19 +47,12 @@ def broad_parts(mask: np.ndarray, width: float) -> np.ndarray:
     x, y, w, h = cv2.boundingRect(mask.view(np.uint8))
     seen, found = mask[y : y + h, x : x + w].view(np.uint8), broad[y : y + h, x : x + w]
     may = cv2.erode(seen, _ring(deep), borderType=cv2.BORDER_CONSTANT, borderValue=0)
-    if not may.any():
-        return broad
-    x, y, w, h = cv2.boundingRect(may)
-    rim = int(np.ceil(width)) + 2
-    near = np.s_[max(y - rim, 0) : y + h + rim, max(x - rim, 0) : x + w + rim]
-    depth = cv2.distanceTransform(np.pad(seen[near], 1), cv2.DIST_L2, 5)
-    core = (depth[1:-1, 1:-1] > deep) & (may[near] > 0)
-    _, number, stats, _ = cv2.connectedComponentsWithStats(core.view(np.uint8))
-    extent = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
-    core &= (extent > SIDE_BY_SIDE * width)[number]
-    if core.any():
-        away = cv2.distanceTransform((~core).view(np.uint8), cv2.DIST_L2, 5)
-        found[near] = away < 0.75 * width
+    long, rim = SIDE_BY_SIDE * width, int(np.ceil(width)) + 2
+    for near, own in blobs(may, long, rim):
+        depth = cv2.distanceTransform(np.pad(seen[near], 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
+        for inner, core in blobs(own & (depth > deep), long, rim):
+            away = cv2.distanceTransform((~core).view(np.uint8), cv2.DIST_L2, 5)
+            found[near][inner] |= away < 0.75 * width
     return broad
 
 

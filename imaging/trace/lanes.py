@@ -14,9 +14,8 @@ from itertools import combinations
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse.csgraph import connected_components
-from skimage.morphology import skeletonize
 
-from imaging.segment.skeleton import degrees, in_order, linked
+from imaging.segment.skeleton import degrees, in_order, linked, thinned
 from imaging.trace.branches import without_spurs
 from imaging.trace.centreline import arclength, edges, normals, resample, smoothed
 
@@ -123,7 +122,7 @@ Path = tuple[np.ndarray, tuple[int, int]]  # points (n, 2), forks at its ends
 
 def _cut(mask: np.ndarray, width: float) -> tuple[list[Path], np.ndarray]:
     """Cut a skeleton at its forks: paths with the forks at their ends, and the forks (k, 2)."""
-    points, touching = linked(without_spurs(skeletonize(np.pad(mask, 1)), width))
+    points, touching = linked(without_spurs(thinned(np.pad(mask, 1)), width))
     forked = degrees(touching) > 2
     at_fork, between = np.flatnonzero(forked), np.flatnonzero(~forked)
     count, number = connected_components(touching[at_fork][:, at_fork], directed=False)
