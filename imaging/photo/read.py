@@ -32,6 +32,17 @@ def bands(shape: tuple[int, ...]) -> Iterator[slice]:
     return (slice(top, min(top + rows, height)) for top in range(0, height, rows))
 
 
+def shrunk(picture: np.ndarray, step: int) -> np.ndarray:
+    """Picture in pixels `step` times as large; what is left over at its far sides is left out.
+
+    Means over whole pixels take a fifth of the time of others.
+    """
+    step = min(step, *picture.shape[:2])
+    size = picture.shape[1] // step, picture.shape[0] // step
+    whole = picture[: size[1] * step, : size[0] * step]
+    return cv2.resize(whole, size, interpolation=cv2.INTER_AREA)
+
+
 @dataclass(frozen=True)
 class Photo:
     """A photograph, upright, in sRGB.

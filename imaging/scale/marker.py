@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from imaging.errors import Unmeasurable
-from imaging.photo import Photo
+from imaging.photo import Photo, shrunk
 from imaging.scale.plane import fit_plane
 from imaging.scale.scale import Scale
 
@@ -113,10 +113,8 @@ def _detector(name: str, settings: cv2.aruco.DetectorParameters) -> cv2.aruco.Ar
 
 def seen_small(photo: Photo) -> Seen:
     """Rough corners (4, 2) [px] of the markers of each dictionary, in a smaller picture."""
-    shrink = max(1, max(photo.shape) // LONGEST)  # a whole number: five times as fast
-    whole = photo.pixels[: photo.shape[0] // shrink * shrink, : photo.shape[1] // shrink * shrink]
-    size = (whole.shape[1] // shrink, whole.shape[0] // shrink)
-    small = cv2.resize(whole, size, interpolation=cv2.INTER_AREA)
+    shrink = max(1, max(photo.shape) // LONGEST)
+    small = shrunk(photo.pixels, shrink)
     grey = cv2.transform(small, np.full((1, 3), 255 / 3 / np.iinfo(photo.pixels.dtype).max))
     settings = cv2.aruco.DetectorParameters()
     settings.adaptiveThreshWinSizeMin = settings.adaptiveThreshWinSizeMax = WINDOW

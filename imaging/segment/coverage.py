@@ -63,7 +63,8 @@ def coverage_of(
             "photograph the strands on a plain surface of another colour"
         )
     if near is None:
-        coarse = smooth > max(threshold, FAINT * float(np.percentile(smooth[coarse], 75)))
+        seen = smooth.ravel()[places_of(coarse)]
+        coarse = smooth > max(threshold, FAINT * float(np.percentile(seen, 75)))
     box = around_all(coarse)
     coverage = _against_ridge(contrast[box], smooth[box], coarse[box])
     strand = coverage > EDGE
@@ -166,7 +167,7 @@ def shared_out(coverage: np.ndarray, labels: np.ndarray, count: int) -> np.ndarr
     membership = _sparse_zeros((count, *labels.shape))
     flat = membership.reshape(-1)
     lowest, highest = _around(labels)
-    coverage[highest == 0] = 0
+    np.multiply(coverage, highest > 0, out=coverage)
     at = places_of(highest)
     colour = highest.ravel()[at].astype(np.intp) - 1
     several = lowest.ravel()[at] <= colour

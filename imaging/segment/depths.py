@@ -28,8 +28,8 @@ def depth_of(mask: np.ndarray) -> np.ndarray:
 
 def summit(depth: np.ndarray, least: float = 0.0) -> np.ndarray:
     """Medial axis deeper than `least`: places in the flattened picture of the deepest around."""
-    found = np.empty(depth.size, np.int64)  # memory that is never written takes none
-    return found[: _summits(depth, np.float32(least), found)]
+    at = places_of(depth > least)
+    return at[_is_summit(at, depth)]
 
 
 def nearest_level(
@@ -112,23 +112,19 @@ def _deepened(at, depth):
 
 
 @numba.njit(cache=True)
-def _summits(depth, least, found):
-    """Fill in the places of the deepest around; their number."""
+def _is_summit(at, depth):
+    """Tell (n,) whether no pixel around a place is deeper by more than FLAT."""
     height, across = depth.shape
-    n = 0
-    for y in range(height):
-        for x in range(across):
-            here = depth[y, x]
-            if not here > least:
-                continue
-            top = here
-            for v in range(max(y - 1, 0), min(y + 2, height)):
-                for u in range(max(x - 1, 0), min(x + 2, across)):
-                    top = max(top, depth[v, u])
-            if here >= top - FLAT:
-                found[n] = y * across + x
-                n += 1
-    return n
+    found = np.empty(len(at), np.bool_)
+    for k in range(len(at)):
+        y = at[k] // across
+        x = at[k] - y * across
+        top = np.float32(0)
+        for v in range(max(y - 1, 0), min(y + 2, height)):
+            for u in range(max(x - 1, 0), min(x + 2, across)):
+                top = max(top, depth[v, u])
+        found[k] = depth[y, x] >= top - FLAT
+    return found
 
 
 @numba.njit(cache=True)

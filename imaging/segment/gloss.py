@@ -5,6 +5,8 @@ import numpy as np
 from scipy.optimize import nnls
 from skimage.color import lab2xyz
 
+from imaging.segment.depths import places_of
+
 WHITE = lab2xyz([[100.0, 0.0, 0.0]])[0]  # XYZ, in which light adds
 UNLIKE = 0.15  # of a colour; what body colour and lamp leave unexplained in a highlight
 BESIDE = 0.4  # of a highlight's outline that borders on its strand: one of its two sides
@@ -59,13 +61,15 @@ def _may_be_highlight(shine: np.ndarray, body: np.ndarray) -> bool:
 
 def _borders(labels: np.ndarray, count: int) -> np.ndarray:
     """Share (k, k) of the outline of each colour, in rows, at which each other one lies."""
+    wide = np.pad(labels, 1, mode="edge").ravel()
+    y, x = np.divmod(places_of(labels), labels.shape[1])
+    at = (y + 1) * (labels.shape[1] + 2) + x + 1
     met = np.zeros((count + 1) ** 2, int)
-    for here, there in ((labels[1:], labels[:-1]), (labels[:, 1:], labels[:, :-1])):
-        border = here != there
-        pair = here[border].astype(int) * (count + 1) + there[border]
-        met += np.bincount(pair, minlength=len(met))
+    for step in (-1, 1, -labels.shape[1] - 2, labels.shape[1] + 2):
+        met += np.bincount(wide[at].astype(int) * (count + 1) + wide[at + step], minlength=len(met))
     square = met.reshape(count + 1, count + 1)
-    around = (square + square.T)[1:]
+    np.fill_diagonal(square, 0)
+    around = square[1:]
     return around[:, 1:] / np.maximum(around.sum(axis=1, keepdims=True), 1)
 
 

@@ -8,17 +8,17 @@ import cv2
 import numpy as np
 
 from imaging.errors import Unmeasurable
-from imaging.photo import Photo
+from imaging.photo import Photo, shrunk
 from imaging.segment.by_colour import by_colour
 from imaging.segment.by_ridge import by_ridge
 from imaging.segment.coverage import MIN_CONTRAST, NOISE_FACTOR, around_all
-from imaging.segment.depths import depth_of, summit
+from imaging.segment.depths import depth_of, places_of, summit
 from imaging.segment.ground import Ground, contrast_of, ground_of
 from imaging.segment.ruling import erase_ruling
 from imaging.segment.segmentation import Segmentation
 
 MEDIAN = 0.6745  # sds of a Gaussian; half of it lies within
-SOME = 7  # rows; of each the noise is looked at in one
+SOME, ROWS = 7, 300  # of so many rows the noise is looked at in one, but in so many at least
 LARGER = 4  # px; side of the pixels in which texture is told from noise
 CHANGING = 0.06  # banded cables have 0.1 to 0.6, tangles of strands of one colour each up to 0.03
 PAIR = 3  # colours; two or three may be of strands twisted together, which change places as often
@@ -74,10 +74,11 @@ def changing(found: Segmentation) -> float:
         return 0.0
     reach = 2 * round(found.width) + 1
     thick = cv2.dilate((depth > THICK * usual).view(np.uint8), np.ones((reach, reach), np.uint8))
-    alone = np.where(thick == 0, labels, 0)
-    beside = ((alone[1:], alone[:-1]), (alone[:, 1:], alone[:, :-1]))
-    borders = [((one != other) & (one > 0) & (other > 0)).sum() for one, other in beside]
-    return float(sum(borders) * found.width / max((alone > 0).sum(), 1))
+    alone = np.pad(np.where(thick == 0, labels, np.uint8(0)), 1).ravel()
+    at = places_of(alone)
+    beside = [alone[at + step] for step in (1, labels.shape[1] + 2)]
+    borders = sum(np.count_nonzero((other != alone[at]) & (other > 0)) for other in beside)
+    return float(borders * found.width / max(len(at), 1))
 
 
 def _hides_strands(lab: np.ndarray, ground: Ground) -> bool:
@@ -86,10 +87,9 @@ def _hides_strands(lab: np.ndarray, ground: Ground) -> bool:
     Looked at in larger pixels, over which a sensor's noise is averaged; what is left of it is
     known from how single pixels differ from those around them.
     """
-    size = [max(1, side // LARGER) for side in lab.shape[1::-1]]
-    seen = cv2.resize(lab, size, interpolation=cv2.INTER_AREA)
-    under = cv2.resize(ground.coarse, size, interpolation=cv2.INTER_LINEAR)
-    off = np.linalg.norm(seen - under, axis=-1)
+    seen = shrunk(lab, LARGER)
+    under = cv2.resize(ground.coarse, seen.shape[1::-1], interpolation=cv2.INTER_LINEAR)
+    off = np.sqrt(((seen - under) ** 2) @ np.ones(3, np.float32))
     texture = max(float(np.median(off)) ** 2 - (_noise(lab) / LARGER) ** 2, 0) ** 0.5
     threshold = NOISE_FACTOR * texture
     return threshold > MIN_CONTRAST or float((off > MIN_CONTRAST).mean()) > COVERED
@@ -99,7 +99,8 @@ def _noise(lab: np.ndarray) -> float:
     """Sd of what differs from pixel to pixel [Lab units], all three channels together."""
     if min(lab.shape[:2]) < 3:
         return 0.0
-    above, here, below = (lab[row : len(lab) - 2 + row : SOME] for row in range(3))
+    step = max(SOME, len(lab) // ROWS)
+    above, here, below = (lab[row : len(lab) - 2 + row : step] for row in range(3))
     around = (here[:, :-2] + here[:, 2:] + above[:, 1:-1] + below[:, 1:-1]) / 4
     off = np.median(np.abs(here[:, 1:-1] - around).reshape(-1, 3), axis=0)
     return float(np.linalg.norm(off)) / (MEDIAN * 1.25**0.5)  # a mean of four adds a quarter
