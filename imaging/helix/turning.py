@@ -181,7 +181,7 @@ def _weighed(p, by, out):
         for c in range(p.shape[1]):
             out[r, c] = p[r, c] * by[r, c]
             total += out[r, c]
-    each = np.float32(1 / max(total, LEAST))
+    each = np.float32(1.0 / (total + LEAST))
     for r in range(len(p)):
         for c in range(p.shape[1]):
             out[r, c] = max(out[r, c] * each, np.float32(LEAST))

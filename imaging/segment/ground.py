@@ -6,7 +6,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from imaging.photo import bands, shrunk
+from imaging.photo import bands
 
 GRID = 72  # cells along the shorter side of a picture, of which the background is learned
 UNEVEN = 6.0  # Lab units; ground that lies farther off the smooth surface is uneven
@@ -86,7 +86,7 @@ def ground_of(lab: np.ndarray, ignore: np.ndarray | None = None) -> Ground:
     """Learn the smooth background under a Lab picture (h, w, 3), but for what is ignored (h, w)."""
     height, width = lab.shape[:2]
     step = max(1, min(height, width) // GRID)
-    small = shrunk(lab, step)
+    small = cv2.resize(lab, (width // step, height // step), interpolation=cv2.INTER_AREA)
     weight = np.ones(small.shape[:2], np.float32)
     if ignore is not None:
         hidden = cv2.resize(ignore.astype(np.float32), small.shape[1::-1])
