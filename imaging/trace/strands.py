@@ -102,7 +102,7 @@ def trace(segmentation: Segmentation, photo: Photo | None = None) -> list[Strand
     list of Strand
         In the order of the segmentation's colours; longer first within a colour.
     """
-    covered = cv2.dilate((segmentation.labels > 0).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    covered = cv2.dilate(segmentation.labels, np.ones((3, 3), np.uint8)) > 0
     coverage = segmentation.coverage
     if coverage is None:
         coverage = segmentation.membership.sum(axis=0)
@@ -228,7 +228,9 @@ def _choices(
         broad = broad_parts(labels == colour + 1, width)
         double = stems(own_ends, width) | np.array([is_in(path, broad) for path in paths], bool)
         single = [path for path, two in zip(paths, double, strict=True) if not two]
-        own = np.greater(drawn(single, labels.shape, width), broad)
+        own = drawn(single, labels.shape, width)
+        if broad.any():
+            own &= ~broad
         apart = [
             i
             for i in np.flatnonzero(double).tolist()
