@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from itertools import chain
 
 import cv2
+import numba
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d, map_coordinates
+from scipy.ndimage import gaussian_filter1d
 from skimage.graph import MCP_Geometric
 
 from imaging.errors import Unmeasurable
@@ -109,9 +110,20 @@ def smoothed(axis: Axis, sigma: float) -> Axis:
 
 def sample(maps: np.ndarray, axis: Axis, u: Array) -> Array:
     """Sample maps (k, h, w) at offsets ``u`` from the axis -> (k, n, m); 0 outside the picture."""
-    xy = axis.to_picture(u)
-    at = [xy[..., 1], xy[..., 0]]
-    return np.stack([map_coordinates(m, at, order=1, mode="constant") for m in maps])
+    return bilinear(maps, axis.to_picture(u))
+
+
+def bilinear(maps: np.ndarray, xy: Array, *, nearest: bool = False) -> Array:
+    """Values (k, n, m) of maps (k, h, w) at picture points (n, m, 2), straight between pixels.
+
+    Outside the picture they are 0, or those of the ``nearest`` pixel.
+    """
+    found = np.zeros((len(maps), *xy.shape[:2]), maps.dtype)
+    if nearest:
+        xy = np.clip(xy, 0, np.subtract(maps.shape[:0:-1], 1))
+    for values, out in zip(maps, found, strict=True):
+        _looked_up(values, xy, out)
+    return found
 
 
 def _body(pair: np.ndarray, r: float) -> np.ndarray:
@@ -201,3 +213,20 @@ def _centred(axis: Axis, pair: np.ndarray, width: float, smoothing: float) -> Ax
     first, last = np.flatnonzero(seen)[[0, -1]]
     moved = axis.points + middle[:, None] * axis.normals
     return axis_through(_smoothed(moved[first : last + 1], smoothing))
+
+
+@numba.njit(cache=True)
+def _looked_up(values, xy, out):
+    """Fill in values between four pixels where a point lies in the picture."""
+    height, width = values.shape
+    for i in range(xy.shape[0]):
+        for j in range(xy.shape[1]):
+            x, y = xy[i, j, 0], xy[i, j, 1]
+            if not (0 <= x <= width - 1 and 0 <= y <= height - 1):
+                continue
+            left, top = min(int(x), max(width - 2, 0)), min(int(y), max(height - 2, 0))
+            right, below = min(left + 1, width - 1), min(top + 1, height - 1)
+            u, v = x - left, y - top
+            upper = (1 - u) * values[top, left] + u * values[top, right]
+            lower = (1 - u) * values[below, left] + u * values[below, right]
+            out[i, j] = (1 - v) * upper + v * lower

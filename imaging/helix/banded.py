@@ -172,15 +172,16 @@ def _gather(columns, values, precision, band, border, corner):
 def _select(factor, border, reach, band):
     """Fill a band with the inverse's, from the Cholesky factor and the border's share."""
     n, wide = factor.shape
+    # Row i holds entries (i, i - wide + 1 .. i + wide - 1): what is summed lies side by side.
+    both = np.zeros((n, 2 * wide - 1))
     for j in range(n - 1, -1, -1):
         most = min(wide, n - j)
         for d in range(most - 1, -1, -1):
             total = 0.0
-            for k in range(1, min(d, most)):
-                total += factor[j, k] * band[j + k, d - k]
-            for k in range(max(d, 1), most):
-                total += factor[j, k] * band[j + d, k - d]
-            band[j, d] = ((1.0 / factor[j, 0] if d == 0 else 0.0) - total) / factor[j, 0]
+            for k in range(1, most):
+                total += factor[j, k] * both[j + d, wide - 1 - d + k]
+            entry = ((1.0 / factor[j, 0] if d == 0 else 0.0) - total) / factor[j, 0]
+            both[j, wide - 1 + d] = both[j + d, wide - 1 - d] = band[j, d] = entry
     for j in range(n):
         for d in range(min(wide, n - j)):
             for p in range(border.shape[1]):

@@ -8,10 +8,9 @@ from dataclasses import dataclass, fields, replace
 from itertools import product
 
 import numpy as np
-from scipy.ndimage import map_coordinates
 
 from imaging.errors import Unmeasurable
-from imaging.helix.axis import Axis
+from imaging.helix.axis import Axis, bilinear
 from imaging.helix.model import Model, outlines
 from imaging.helix.profile import OUTSIDE, Profiles, edge_places, likely_blur, sampled_places
 
@@ -209,8 +208,7 @@ def _strips(
         along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
         outward = ((2 * j - 1) * np.column_stack([along[:, 1], -along[:, 0]]))[rows]
         xy = outline[rows, None] + places[:, None] * outward[:, None]
-        at = [xy[..., 1], xy[..., 0]]
-        seen = np.stack([map_coordinates(c, at, order=1, mode="nearest") for c in light], axis=-1)
+        seen = np.moveaxis(bilinear(light, xy, nearest=True), 0, -1)
         profiles = Profiles(places, seen, rows, kind == CONTACT)
         strips.append(_Strip((k, 2 * j - 1, kind), outline[rows], outward, profiles))
     return strips
@@ -230,7 +228,7 @@ def _search(
     outward = np.arange(-gate, gate + STEP, STEP)
     u = expected[rows, None] + q * outward
     xy = axis.points[rows, None] + u[..., None] * axis.normals[rows, None]
-    inside = map_coordinates(coverage, [xy[..., 1], xy[..., 0]], order=1, mode="constant")
+    inside = bilinear(coverage[None], xy)[0]
     where = _half_crossing(inside, outward)
     ok = np.isfinite(where)
     rows, where = rows[ok], where[ok]

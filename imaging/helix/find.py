@@ -13,10 +13,10 @@ from itertools import combinations
 
 import cv2
 import numpy as np
-from scipy.ndimage import gaussian_filter1d, map_coordinates, median_filter
+from scipy.ndimage import gaussian_filter1d, median_filter
 
 from imaging.errors import Unmeasurable
-from imaging.helix.axis import Axis, find_axis, smoothed
+from imaging.helix.axis import Axis, bilinear, find_axis, smoothed
 from imaging.helix.turning import PLACES, WIDE, Turning, turning
 from imaging.photo import Photo
 from imaging.segment import Segmentation
@@ -196,9 +196,7 @@ def _best_pair(colours: Array, body: Mask, width: float, step: float) -> Pair | 
     u = np.linspace(-1.1 * width, 1.1 * width, 61)
     rows = np.unique(np.rint(np.arange(0, axis.s[-1], max(width / 12, 0.7))).astype(int))
     xy = axis.points[rows, None] + u[:, None] * axis.normals[rows, None]
-    at = [xy[..., 1], xy[..., 0]]
-    band = np.stack([map_coordinates(c, at, order=1, mode="nearest") for c in
-                     np.moveaxis(colours, -1, 0)], axis=-1)  # fmt: skip
+    band = np.moveaxis(bilinear(np.moveaxis(colours, -1, 0), xy, nearest=True), 0, -1)
     tried = [
         (one, centres, two)
         for kinds, centres in _sorted_colours(band)
