@@ -104,24 +104,6 @@ def _overhang(state: State, reach: float) -> np.ndarray:
     return result
 
 
-MORE = 1.2  # by trial: 1 leaves 0.07 mm of drift to `crossing` at n = 51, 1.2 keeps 50, 51 and 101 in place
-
-
-def _fill_curve(state: State) -> None:
-    """Fill what makes a smooth centreline of the nodes (`sim.kernels.curve`)."""
-    length, left = state.row("LENGTH"), np.roll(state.row("LENGTH"), 1)
-    inner = state.row("PREVIOUS") * state.row("NEXT")
-    kink = 2 * np.minimum(left, length) / np.maximum(left + length, 1e-300)
-    state.row("KINK")[:] = inner * kink
-    bend = np.maximum(state.row("BEND"), np.roll(state.row("BEND"), -1))
-    firm = state.row("SHEAR") * length**2
-    shear = np.divide(bend, firm, out=np.zeros_like(bend), where=firm > 0)
-    square, linear, rest = 4 + 10 * shear, (9 + 10 * shear) / 4, (7 + 15 * shear) / 128
-    sharp = (np.sqrt(linear**2 + 4 * square * rest) - linear) / (2 * square)
-    even = np.minimum(kink, np.roll(kink, -1)) ** 4
-    state.row("SHARP")[:] = 16 * MORE * sharp * even * inner * np.roll(inner, -1)
-
-
 def tines(scene: Scene, state: State) -> tine_kernel.Tines | None:
     """Return all tines of the scene, if any."""
     line_stiffness = stiffness(scene)
@@ -226,7 +208,6 @@ def ledger(scene: Scene, state: State) -> ledger_kernel.Ledger | None:
 
 def all_effects(scene: Scene, state: State, dt: float) -> march_kernel.Effects:
     """Return every effect that the scene names, for steps of dt [s]."""
-    _fill_curve(state)
     return march_kernel.Effects(
         keep=damping(scene, dt),
         viscous=viscous(scene),

@@ -26,7 +26,8 @@ def helix(
 ) -> Array:
     """Return nodes [m] of a right-handed helix that hangs from z = 0 down to z = -height.
 
-    Contact acts on a smooth curve through them (`sim.kernels.curve`).
+    The nodes lie a little outside `radius`, where the chords between them have `radius` as their
+    mean distance from the axis; with the nodes on the helix two strands in contact would overlap.
 
     Parameters
     ----------
@@ -40,9 +41,12 @@ def helix(
         Left-handed instead: the mirror image in the plane y = 0.
     """
     turns = np.linspace(0, height / pitch, elements + 1)
+    step = 2 * np.pi * turns[1]
+    # Mean of sqrt(1 - 4 s (1 - s) sin^2(step/2)) over the chord, to second order in step.
+    outside = radius * (1 + step**2 / 12)
     angle = 2 * np.pi * turns + phase
-    across = (1 if left else -1) * radius * np.sin(angle)
-    return np.column_stack([radius * np.cos(angle), across, -pitch * turns])
+    across = (1 if left else -1) * outside * np.sin(angle)
+    return np.column_stack([outside * np.cos(angle), across, -pitch * turns])
 
 
 def frames(nodes: Array) -> Array:
