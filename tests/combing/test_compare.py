@@ -129,10 +129,16 @@ def test_the_run_lost_contact_where_its_force_ends(run):
 @pytest.mark.slow
 @pytest.mark.parametrize("pi1", [18, 24, 48])
 def test_contact_and_force_agree_on_the_presets_or_it_is_said(pi1):
-    """At P/r = 24 the last turn lets go in two parts, 2.8 % of D apart: one has to be said."""
-    curve = scale_run(sim.simulate(sim.double_helix(pi1=pi1)), instron.Rig(B=1.0))
-    apart = abs(curve.attrs["D"] / curve.attrs["contact_lost"] - 1)
-    assert apart < 0.04
+    """At P/r = 24 the last turn lets go in two parts, and rounding decides how far apart.
+
+    2.1, 2.8 and 4.9 % of D were seen of one code on two processors: that has to be said. It is one
+    turn that lets go, so no more than a pitch lies between.
+    """
+    scene = sim.double_helix(pi1=pi1)
+    curve = scale_run(sim.simulate(scene), instron.Rig(B=1.0))
+    facts = curve.attrs
+    assert abs(facts["D"] - facts["contact_lost"]) < pi1 * scene.rods[0].radius
+    apart = abs(facts["D"] / facts["contact_lost"] - 1)
     assert (apart < 0.01) != any("loses the strands" in note for note in curve.attrs["warnings"])
 
 
