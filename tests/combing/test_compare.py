@@ -129,16 +129,18 @@ def test_the_run_lost_contact_where_its_force_ends(run):
 @pytest.mark.slow
 @pytest.mark.parametrize("pi1", [18, 24, 48])
 def test_contact_and_force_agree_on_the_presets_or_it_is_said(pi1):
-    """At P/r = 24 the last turn lets go in two parts, and rounding decides how far apart.
+    """At P/r = 24 freed strands may flap on the tine, by chance of rounding, with over 2 % of f_max.
 
-    2.1, 2.8 and 4.9 % of D were seen of one code on two processors: that has to be said. It is one
-    turn that lets go, so no more than a pitch lies between.
+    D is then up to 5 % behind the last contact that combs, which has to be said; what is done
+    behind that is no combing (0.25 % of the work at most, on two processors).
     """
-    scene = sim.double_helix(pi1=pi1)
-    curve = scale_run(sim.simulate(scene), instron.Rig(B=1.0))
-    facts = curve.attrs
-    assert abs(facts["D"] - facts["contact_lost"]) < pi1 * scene.rods[0].radius
-    apart = abs(facts["D"] / facts["contact_lost"] - 1)
+    run = sim.simulate(sim.double_helix(pi1=pi1))
+    curve = scale_run(run, instron.Rig(B=1.0))
+    log = run.force_log()
+    work = log["force"] * np.gradient(log["displacement"])
+    late = log["displacement"] > curve.attrs["contact_lost"]
+    assert work[late].sum() < 0.01 * work.sum()
+    apart = abs(curve.attrs["D"] / curve.attrs["contact_lost"] - 1)
     assert (apart < 0.01) != any("loses the strands" in note for note in curve.attrs["warnings"])
 
 
