@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from instron.headings.words import SPECIMEN, plain
-from instron.numbers.numerals import looks_numeric
+from instron.numbers.numerals import Unclear, decimal_mark, looks_numeric, to_numbers
 from instron.source.files import NEWLINE, RETURN, Source
 from instron.tables.footer import OUT_OF_RANGE, is_statistic
 from instron.tables.layout import Header, is_blank, is_row, split_cells
@@ -104,8 +104,9 @@ def group_below(
     for specimen in header.specimens:
         index = specimen.get("time", specimen["displacement"]).index
         try:
-            begin, end, again = (float(cells[index].replace(",", ".")) for cells in lines)
-        except ValueError:
+            texts = [cells[index] for cells in lines]
+            begin, end, again = to_numbers(texts, decimal_mark(texts))[0]
+        except Unclear:
             return None
         if abs(again - begin) > NEAR * abs(end - begin) or end == begin:
             return None
