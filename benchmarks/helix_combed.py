@@ -24,7 +24,7 @@ from imaging import Photo, Unmeasurable, jump_across, link_before, link_jump
 from imaging.helix import helix
 from imaging.helix.measurement import HelixMeasurement
 from imaging.helix.sequence import mean_link
-from sim.run import open_run
+from sim.records.run import open_run
 from sim.topology import common_arclength, partners
 
 FIRST = 50_000  # seed; 40 000 to 49 999 are to develop with

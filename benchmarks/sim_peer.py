@@ -19,14 +19,13 @@ import elastica
 import numpy as np
 
 import sim
-from sim import shapes
-from sim.effects import SOFTNESS
 from sim.energy import directors
 from sim.explicit import Explicit
 from sim.kernels.contact import contact_interval
-from sim.neighbours import rebuild
-from sim.scene import Contact, Damping, End, Helix, Material, Rod, Scene
-from sim.state import centreline
+from sim.march.effects import SOFTNESS
+from sim.march.neighbours import rebuild
+from sim.march.state import centreline
+from sim.scene import Contact, Damping, End, Helix, Material, Rod, Scene, shapes
 
 ROUNDS = 7
 NYLON = Material(E=2.18e8, nu=0.4, density=1140)

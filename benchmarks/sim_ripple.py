@@ -13,7 +13,7 @@ import time
 import numpy as np
 
 import sim
-from sim.state import rigidities
+from sim.march.state import rigidities
 
 R, L0 = 4.25e-4, 0.01  # m
 REACH = 0.022  # m

@@ -12,7 +12,7 @@ import numpy as np
 from sim.explicit import Explicit
 from sim.kernels.contact import contact_forces
 from sim.kernels.ledger import contact_energy
-from sim.neighbours import rebuild
+from sim.march.neighbours import rebuild
 from sim.scene import Contact, End, Material, Points, Rod, Scene
 
 R, LENGTH, BEND = 0.005, 0.2, 0.1  # m

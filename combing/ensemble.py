@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 import sim
-from sim.presets import DoubleHelix, preset_scene
+from sim.march.state import centreline
 from sim.scene import Helix, RandomCurvature, Rod
-from sim.state import centreline
+from sim.scene.presets import DoubleHelix, preset_scene
 
 IMPERFECTION = 0.02  # where the parameters name none; the virtual lab's specimens scatter as much
 STREAM = 7  # sets these draws apart from those that the scene's own seed makes
@@ -51,7 +51,7 @@ def members(
     The size of the imperfections is the parameter `imperfection`, 2 % where it is left out. A
     double helix gets a pitch off by a normal draw of that share, a second strand turned about the
     axis by that share of half a turn, and each strand a random intrinsic curvature of that share of
-    the helix's own (`sim.presets.DoubleHelix`). A curl is drawn anew.
+    the helix's own (`sim.scene.presets.DoubleHelix`). A curl is drawn anew.
 
     Raises
     ------

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import sim
-from sim.effects import SOFTNESS, stiffness
 from sim.energy import directors
 from sim.explicit import Explicit, explicit
+from sim.march.effects import SOFTNESS, stiffness
 from sim.scene import (
     Contact,
     Damping,

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from sim.equilibrium import equilibrium
     from sim.errors import NotAtRest, SceneError, Unstable
-    from sim.presets import curl, double_helix
-    from sim.run import Run, open_run
+    from sim.records.run import Run, open_run
     from sim.scene import Scene
-    from sim.scene_file import load_scene
+    from sim.scene.file import load_scene
+    from sim.scene.presets import curl, double_helix
     from sim.simulate import simulate
     from sim.topology import average_crossing_number, gauss_link, link_density, twist, writhe
     from sim.topology.network import ContactNetwork, contact_network, nearest_strand
@@ -27,12 +27,12 @@ _ROOMS = {
     "NotAtRest": "errors",
     "SceneError": "errors",
     "Unstable": "errors",
-    "curl": "presets",
-    "double_helix": "presets",
-    "Run": "run",
-    "open_run": "run",
+    "curl": "scene.presets",
+    "double_helix": "scene.presets",
+    "Run": "records.run",
+    "open_run": "records.run",
     "Scene": "scene",
-    "load_scene": "scene_file",
+    "load_scene": "scene.file",
     "simulate": "simulate",
     "average_crossing_number": "topology",
     "gauss_link": "topology",

@@ -11,7 +11,7 @@ from typing import Any
 from sim.explicit import Explicit
 from sim.guards.start import notes
 from sim.kernels.compiled import CACHE, source_digest
-from sim.observers import columns
+from sim.records.observers import columns
 from sim.scene import Scene
 
 

@@ -17,14 +17,14 @@ from pathlib import Path
 
 import llvmlite.binding  # type: ignore[import-untyped]
 
-from sim.effects import all_effects
 from sim.errors import Unstable
 from sim.explicit import explicit
 from sim.kernels.compiled import CACHE
-from sim.observers import columns
+from sim.march.effects import all_effects
+from sim.march.softness import obstacle
+from sim.march.state import build
+from sim.records.observers import columns
 from sim.scene import Scene
-from sim.softness import obstacle
-from sim.state import build
 from sim.statics.newton import settle
 
 CHILD = (

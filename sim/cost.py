@@ -7,11 +7,11 @@ import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sim import checkpoint
 from sim.errors import SceneError
 from sim.explicit import Explicit
-from sim.journal import SAMPLES, SNAPSHOTS, widths
-from sim.observers import due
+from sim.march import checkpoint
+from sim.records.journal import SAMPLES, SNAPSHOTS, widths
+from sim.records.observers import due
 
 TRIAL = 0.05  # s of marching from which its speed is told
 MOST = 7 * 86400.0  # s

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim import timestep
 from sim.energy import kinetic_energy
 from sim.errors import Unstable
 from sim.kernels.contact import Friction, contact_forces
@@ -23,9 +22,10 @@ from sim.kernels.march import Effects
 from sim.kernels.plane import plane_forces
 from sim.kernels.rod import clear_loads, drift, stretch_and_shear
 from sim.kernels.tine import place, tine_forces
-from sim.marching import Marching
-from sim.state import State, empty_buffer
-from sim.timestep import SPRING
+from sim.march import timestep
+from sim.march.marching import Marching
+from sim.march.state import State, empty_buffer
+from sim.march.timestep import SPRING
 
 Array = NDArray[np.float64]
 

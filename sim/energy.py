@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from sim.kernels.ledger import contact_energy, tine_energy
 from sim.kernels.plane import Planes
-from sim.marching import Marching
-from sim.state import State
+from sim.march.marching import Marching
+from sim.march.state import State
 
 Array = NDArray[np.float64]
 

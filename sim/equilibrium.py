@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sim.errors import NotAtRest, SceneError
-from sim.run import Run
+from sim.records.run import Run
 from sim.scene import Scene
 from sim.simulate import simulate
 from sim.statics.settling import FINE

@@ -6,11 +6,12 @@ import logging
 
 import numpy as np
 
-from sim import checkpoint, effects, guards, marching
+from sim import guards
 from sim.guards.start import refuse_start
 from sim.kernels import march as kernel
-from sim.marching import Marching
-from sim.neighbours import rebuild
+from sim.march import checkpoint, effects, marching
+from sim.march.marching import Marching
+from sim.march.neighbours import rebuild
 from sim.scene import Scene
 
 MARK = 1024  # steps between two states to fall back on

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.marching import Marching
+from sim.march.marching import Marching
 
 Array = NDArray[np.float64]
 

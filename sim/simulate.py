@@ -12,16 +12,16 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from sim.about import about
-from sim.checkpoint import freeze, thaw
 from sim.compilation import compile_for
 from sim.cost import cost, refuse_absurd
 from sim.errors import SceneError, Unstable
 from sim.explicit import Explicit, explicit
 from sim.guards.insertion import inserted, link
-from sim.journal import CHECKPOINT, Journal, damaged, differing, part_of, read
-from sim.observers import due, observers, snapshot
+from sim.march.checkpoint import freeze, thaw
+from sim.records.journal import CHECKPOINT, Journal, damaged, differing, part_of, read
+from sim.records.observers import due, observers, snapshot
+from sim.records.run import NOT_REACHED, Run, dataset, open_run
 from sim.rest import worst
-from sim.run import NOT_REACHED, Run, dataset, open_run
 from sim.scene import Scene
 from sim.statics.settling import come_to_rest
 

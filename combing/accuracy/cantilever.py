@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from combing.accuracy.measurement import Measurement
 from sim.explicit import Explicit
+from sim.march.state import rigidities
 from sim.scene import Damping, End, Load, Material, Rod, Scene, Straight
-from sim.state import rigidities
 
 LENGTH, RADIUS = 0.1, 0.02  # m; so short that shear is a tenth of the deflection
 RUBBER = Material(E=1e6, nu=0.5, density=1000.0)

@@ -10,6 +10,7 @@ import numpy as np
 
 from combing.accuracy.measurement import Measurement
 from sim.explicit import Explicit
+from sim.march.state import rigidities
 from sim.scene import (
     Contact,
     Damping,
@@ -23,7 +24,6 @@ from sim.scene import (
     Scene,
     Tine,
 )
-from sim.state import rigidities
 
 TINE, THIN = 1e-2, 0.004  # tine radius t [m], strand radius over it
 RADIUS = THIN * TINE

@@ -11,9 +11,9 @@ import sim
 from combing.accuracy.measurement import Measurement
 from combing.bands.release import first_jam
 from instron.scaling.average import profile
-from sim.presets import NYLON_SCALED
+from sim.march.state import rigidities
 from sim.scene import Contact, Scene
-from sim.state import rigidities
+from sim.scene.presets import NYLON_SCALED
 
 PI1, R = 24.0, 4.25e-4  # pitch over filament radius, filament radius [m]
 L0 = 0.01  # m, in f = l0^2 F/B

@@ -16,8 +16,8 @@ from combing.runs import model_version
 from sim import Unstable
 from sim.compilation import compile_for
 from sim.explicit import Explicit
-from sim.files import replacing
 from sim.kernels.compiled import CACHE
+from sim.records.files import replacing
 
 
 def point_name(problem: Problem) -> str:

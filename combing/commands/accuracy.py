@@ -57,7 +57,7 @@ def _write(
     from combing.figures.accuracy import draw_case, draw_front, draw_teeth
     from combing.tables import write_table
     from combing.tolerance import PRESETS, load_front, pareto
-    from sim.files import replacing
+    from sim.records.files import replacing
 
     write_table(
         output / "accuracy.csv",
@@ -84,7 +84,7 @@ def _write(
 
 def _save(figure: Figure, path: Path) -> None:
     from combing.figures.style import paper_style
-    from sim.files import replacing
+    from sim.records.files import replacing
 
     with replacing(path) as temporary, paper_style():
         figure.savefig(temporary, format="png", metadata={"Title": path.stem})

@@ -138,7 +138,7 @@ def _scene(
     overrides: dict[str, int | None],
 ) -> Scene:
     from sim import load_scene
-    from sim.presets import preset_scene
+    from sim.scene.presets import preset_scene
 
     if (path is None) == (preset is None):
         raise UserError(

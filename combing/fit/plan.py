@@ -21,7 +21,7 @@ from combing.study.load import load_table
 from combing.study.plan import known_parameter
 from combing.study.sets import Facts, LinkSet, Table
 from sim import SceneError
-from sim.presets import DoubleHelix
+from sim.scene.presets import DoubleHelix
 
 FITTED = ("friction", "E")  # what the preset calls them: E = factor times the rig's
 FEWEST = 12  # points from which an emulator of two parameters is worth the name

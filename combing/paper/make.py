@@ -18,7 +18,7 @@ from combing.study import Study, load_study
 from combing.virtual_lab.packaged import data_folder
 from combing.virtual_lab.papers import photographed
 from combing.virtual_lab.specimens import RADIUS, YOUNG
-from sim.files import replacing
+from sim.records.files import replacing
 
 log = logging.getLogger("combing")
 RIG = f"""\

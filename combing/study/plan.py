@@ -25,7 +25,7 @@ from combing.tolerance.front import cheapest
 from combing.tolerance.setting import as_row, with_setting
 from combing.tolerance.simulate import DOUBLE
 from sim import Scene, SceneError
-from sim.presets import PRESETS
+from sim.scene.presets import PRESETS
 
 Preset = Literal["double_helix", "curl"]
 Values = Annotated[list[Any], Field(min_length=1)]

@@ -10,7 +10,7 @@ from combing.study.files import each_once, folder_of, matches
 from combing.study.plan import Seeds, known_parameter, listed
 from combing.study.sets import Facts, Name, Table
 from sim import SceneError
-from sim.presets import DoubleHelix
+from sim.scene.presets import DoubleHelix
 
 VALUE = "{value}"  # stands for each value in the names of files
 REPEATS = 5  # members of an ensemble where the study does not say

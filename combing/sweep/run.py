@@ -22,7 +22,7 @@ from combing.tolerance.errors import apart
 from combing.workers import Crew, cores
 
 ERRORS = ("force_error", "link_error")  # of a verified point, as shares
-BUSY = "another process is writing this run"  # sim.journal's words: no failure, it is on its way
+BUSY = "another process is writing this run"  # sim.records.journal's words: no failure
 
 
 class Engine(Protocol):

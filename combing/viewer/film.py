@@ -20,7 +20,7 @@ from combing.errors import UserError
 from combing.figures.style import SIMULATION, STRANDS, paper_style
 from combing.render import Tine, render
 from combing.runs import tine_at
-from sim.files import replacing
+from sim.records.files import replacing
 
 Picture = NDArray[np.uint8]
 

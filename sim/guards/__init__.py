@@ -10,7 +10,7 @@ from sim.errors import Unstable
 from sim.guards.passing import bent_through, deep_pairs, newcomer, passing_through, tight_bends
 from sim.guards.winding import wound_up
 from sim.kernels import march as kernel
-from sim.marching import Marching
+from sim.march.marching import Marching
 
 STRAINED = 0.2  # most that an element may be strained within a step; stable marches stay far below
 MOVED = 0.25  # of the smallest radius: most that what touches may move within a step

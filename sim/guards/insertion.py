@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.marching import Marching
+from sim.march.marching import Marching
 from sim.topology import link_density
 
 GONE = 0.5  # of the link as drawn: less is left when most of it is gone

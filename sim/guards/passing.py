@@ -9,8 +9,8 @@ import numpy as np
 
 from sim.errors import Unstable
 from sim.kernels import passing as kernels
-from sim.marching import Marching, Pairs, no_pairs
-from sim.timestep import BENDING, SPRING
+from sim.march.marching import Marching, Pairs, no_pairs
+from sim.march.timestep import BENDING, SPRING
 
 DEEP = 0.5  # of the contact distance
 ROOM = 16  # pairs at first; a contact that gives way is one of a few

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from sim.errors import SceneError
 from sim.guards.passing import deep_pairs, nearness, tight_bends
-from sim.marching import Marching
+from sim.march.marching import Marching
+from sim.march.state import centreline
 from sim.scene import End, Rod, Scene
-from sim.state import centreline
 
 OVERLAP = 0.05  # of the contact distance
 MESH = 0.3  # of the contact distance: most that is laid to the chords of curved strands

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from sim.energy import directors
 from sim.errors import Unstable
-from sim.marching import Marching
+from sim.march.marching import Marching
 
 
 def wound_up(march: Marching) -> Unstable:

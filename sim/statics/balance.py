@@ -21,7 +21,7 @@ from sim.kernels.ends import pull
 from sim.kernels.march import weigh
 from sim.kernels.passing import haste
 from sim.kernels.rod import bend_and_twist, clear_loads
-from sim.marching import Marching
+from sim.march.marching import Marching
 
 Array = NDArray[np.float64]
 

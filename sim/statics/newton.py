@@ -16,8 +16,8 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from sim import rest
 from sim.guards.passing import deep_pairs, newcomer
-from sim.marching import Marching
-from sim.neighbours import rebuild
+from sim.march.marching import Marching
+from sim.march.neighbours import rebuild
 from sim.statics.balance import Balance
 from sim.statics.stiffness import stiffness
 

@@ -7,10 +7,11 @@ import math
 
 import numpy as np
 
-from sim import checkpoint, rest
-from sim.marching import Marching
+from sim import rest
+from sim.march import checkpoint
+from sim.march.marching import Marching
+from sim.march.softness import obstacle, soften
 from sim.scene import Scene
-from sim.softness import obstacle, soften
 from sim.statics.newton import settle
 
 CALM = 0.003  # of `rest.pace`: fastest march that Newton's method is tried on

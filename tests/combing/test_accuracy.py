@@ -17,7 +17,8 @@ from combing.bands.release import first_jam
 from combing.cli import main
 from combing.figures.accuracy import draw_case, draw_teeth
 from combing.power_law import slope
-from sim import explicit, timestep
+from sim import explicit
+from sim.march import timestep
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from combing.claims.measures import (
 from combing.cost import cost, cost_table
 from combing.figures.cost import draw_cost
 from combing.tables import write_table
-from sim.presets import DoubleHelix
+from sim.scene.presets import DoubleHelix
 
 VALUES = {
     "pi1": (14, 18, 24, 36, 48), "pi2": (1, 1.5, 2, 3), "pi3": (1, 2, 4),

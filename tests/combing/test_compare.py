@@ -129,7 +129,7 @@ def test_the_run_lost_contact_where_its_force_ends(run):
 @pytest.mark.slow
 @pytest.mark.parametrize("pi1", [18, 24, 48])
 def test_contact_and_force_agree_on_the_presets_or_it_is_said(pi1):
-    """At P/r = 24 freed strands may flap on the tine, by chance of rounding, with over 2 % of f_max.
+    """At P/r = 24 freed strands may flap on the tine, by chance, with over 2 % of f_max.
 
     D is then up to 5 % behind the last contact that combs, which has to be said; what is done
     behind that is no combing (0.25 % of the work at most, on two processors).

@@ -9,7 +9,7 @@ import pytest
 import sim
 from combing.cli import main
 from sim.explicit import Explicit
-from sim.presets import PRESETS
+from sim.scene.presets import PRESETS
 
 SHORT = ["--preset", "double_helix", "--set", "pi1=24", "--set", "turns=2", "--set", "q=1",
          "--set", "elements_per_pitch=6", "--set", "snapshots=4", "--set", "speed=0.5"]  # fmt: skip

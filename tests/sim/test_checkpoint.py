@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import sim
-from sim.checkpoint import FORMAT, freeze, thaw
 from sim.explicit import Explicit
-from sim.journal import Journal
+from sim.march.checkpoint import FORMAT, freeze, thaw
+from sim.records.journal import Journal
 from sim.scene import Contact, Damping, End, Friction, Load, Motion, Output, Plane
 
 

@@ -7,8 +7,9 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from sim.effects import SOFTNESS
 from sim.explicit import Explicit
+from sim.march.effects import SOFTNESS
+from sim.march.state import rigidities
 from sim.scene import (
     Damping,
     End,
@@ -22,8 +23,7 @@ from sim.scene import (
     Straight,
     Tine,
 )
-from sim.shapes import curvature, frames
-from sim.state import rigidities
+from sim.scene.shapes import curvature, frames
 
 RUBBER = Material(E=1e6, nu=0.5, density=1000)
 

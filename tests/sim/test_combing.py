@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sim
-from sim.presets import NYLON_SCALED
+from sim.scene.presets import NYLON_SCALED
 
 from .ribbon import link_twist_writhe
 

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from sim import effects
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import contact as kernels
 from sim.kernels import overlap, runs
-from sim.neighbours import rebuild
+from sim.march import effects
+from sim.march.neighbours import rebuild
+from sim.march.state import build
 from sim.scene import Contact, End, Friction, Material, Points, Rod, Scene, Straight, Tine
-from sim.state import build
 
 NYLON = Material(E=2e8, nu=0.4, density=1140)
 R = 4e-4

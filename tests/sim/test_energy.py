@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import sim
-from sim.effects import SOFTNESS
 from sim.energy import books, elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels.ledger import contact_energy, tine_energy
+from sim.march.effects import SOFTNESS
 from sim.scene import (
     Contact,
     Damping,

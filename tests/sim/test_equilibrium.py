@@ -9,9 +9,11 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import sim
-from sim.checkpoint import ROWS
 from sim.explicit import explicit
-from sim.neighbours import rebuild
+from sim.march.checkpoint import ROWS
+from sim.march.neighbours import rebuild
+from sim.march.softness import soften, softness
+from sim.march.state import build, rigidities
 from sim.rest import imbalance
 from sim.scene import (
     Contact,
@@ -26,8 +28,6 @@ from sim.scene import (
     Scene,
     Straight,
 )
-from sim.softness import soften, softness
-from sim.state import build, rigidities
 from sim.statics.balance import Balance
 from sim.statics.newton import factor, settle
 from sim.statics.stiffness import close_pairs, stiffness

@@ -7,8 +7,8 @@ import pytest
 
 from sim.errors import SceneError, Unstable
 from sim.kernels import rod as kernels
+from sim.march.state import build, rigidities
 from sim.scene import End, Helix, Motion, RandomCurvature, Rod, Scene, Straight
-from sim.state import build, rigidities
 
 from .hard import CLAMPED, FREE, SOFT, line, march_of, rod, show
 from .test_hard_rods import turn_element

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from sim.effects import SOFTNESS
 from sim.energy import kinetic_energy
-from sim.presets import NYLON_SCALED, material_time
+from sim.march.effects import SOFTNESS
 from sim.scene import Contact, Material
+from sim.scene.presets import NYLON_SCALED, material_time
 
 from .hard import (
     SOFT,

@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
 from sim.energy import elastic_energy
+from sim.march.state import rigidities
 from sim.scene import End, Load, Material, Motion
-from sim.shapes import helix
-from sim.state import rigidities
+from sim.scene.shapes import helix
 
 from .hard import (
     CLAMPED,

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
+from sim.march.state import rigidities
 from sim.scene import Material
-from sim.shapes import helix
-from sim.state import rigidities
+from sim.scene.shapes import helix
 from sim.topology import link_density
 
 from .hard import CLAMPED, largest_speed, line, march_of, rod, show, watch

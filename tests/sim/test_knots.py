@@ -15,9 +15,9 @@ from scipy.special import ellipe, ellipk
 
 from sim.energy import directors
 from sim.errors import Unstable
+from sim.march.state import rigidities
 from sim.scene import Contact, End, Friction, Material, Motion
-from sim.shapes import helix, smallest_turn
-from sim.state import rigidities
+from sim.scene.shapes import helix, smallest_turn
 from sim.topology import writhe
 
 from .hard import SOFT, closest, line, march_of, rod, segment_distances, show, watch

@@ -7,7 +7,7 @@ import pytest
 
 import sim
 from sim.scene import End, Output, Straight
-from sim.shapes import random_curvature
+from sim.scene.shapes import random_curvature
 
 R = 4.25e-4
 

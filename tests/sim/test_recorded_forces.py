@@ -9,8 +9,8 @@ from pydantic import ValidationError
 import sim
 from combing.accuracy.capstan import Capstan, tension
 from sim.explicit import explicit
+from sim.march.state import build
 from sim.scene import Damping, End, Load, Material, Motion, Output, Rod, Scene, Straight
-from sim.state import build
 
 RUBBER = Material(E=1e6, nu=0.5, density=1000)
 R, LENGTH = 5e-3, 0.5

@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import layout, rod
+from sim.march.state import build, rigidities
 from sim.scene import Contact, Damping, End, Friction, Material, Points, Rod, Scene, Straight, Tine
-from sim.shapes import frames
-from sim.state import build, rigidities
+from sim.scene.shapes import frames
 
 RUBBER = Material(E=1e6, nu=0.5, density=1000)
 

@@ -8,9 +8,9 @@ import pytest
 
 import sim
 from sim.explicit import Explicit, explicit
+from sim.march.state import build
 from sim.scene import Scene
-from sim.shapes import random_curvature
-from sim.state import build
+from sim.scene.shapes import random_curvature
 
 ROD = (
     "duration = 1\n"

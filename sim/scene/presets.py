@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from sim.complaints import first_complaint
 from sim.errors import SceneError
-from sim.scene import (
+from sim.scene.complaints import first_complaint
+from sim.scene.model import (
     Contact,
     Damping,
     Friction,

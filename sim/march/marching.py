@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sim import effects, timestep
 from sim.kernels.contact import Contact, Friction
 from sim.kernels.march import Effects
 from sim.kernels.tine import Tines
+from sim.march import effects, timestep
+from sim.march.softness import soften, softness
+from sim.march.state import State, build
 from sim.scene import Scene
-from sim.softness import soften, softness
-from sim.state import State, build
 
 Pairs = NDArray[np.int64]
 
@@ -49,7 +49,7 @@ class Marching:
         Pairs of elements on their way through each other, other rods and one rod bent, when the
         guards last looked.
     soft : float
-        What the rigidities of stretch and shear are multiplied by, see `sim.softness`.
+        What the rigidities of stretch and shear are multiplied by, see `sim.march.softness`.
     """
 
     scene: Scene

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sim import rest
 from sim.energy import books
 from sim.kernels.ends import Held
-from sim.marching import Marching
+from sim.march.marching import Marching
 
 Columns = dict[str, dict[str, Any]]
 Observer = Callable[[Marching, int], list[float]]

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.errors import SceneError
-from sim.files import replacing
+from sim.records.files import replacing
 
 Arrays = dict[str, NDArray[Any]]
 ABOUT, CHECKPOINT, LOCK = "about.json", "checkpoint.npz", "lock"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.marching import Marching
+from sim.march.marching import Marching
 
 Arrays = dict[str, NDArray[Any]]
 FORMAT = 3  # of what is saved: to be raised with every change of the lists below

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim import shapes
 from sim.errors import SceneError
 from sim.kernels import layout
-from sim.scene import End, Helix, Material, Rod, Scene, Straight
+from sim.scene import End, Helix, Material, Rod, Scene, Straight, shapes
 
 Array = NDArray[np.float64]
 

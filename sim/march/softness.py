@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from sim.march.state import State
 from sim.scene import Scene
-from sim.state import State
 
 LEAST, STRAIN = 0.01, 1e-3
 ROWS = ("SHEAR", "STRETCH")

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.errors import SceneError
+from sim.march.state import State
 from sim.scene import Scene
-from sim.state import State
 
 Array = NDArray[np.float64]
 SHEAR, AXIAL, BENDING, SPRING = "shear rotation", "axial wave", "bending", "contact spring"
@@ -66,7 +66,7 @@ def modes(state: State, stiffness: float | None = None) -> dict[str, Array]:
         SHEAR: state.row("SHEAR") * length * state.row("INV_J1") / 4,
         AXIAL: state.row("STRETCH") * inverse**2 / line_density,
         BENDING: 0.5 * (springs + np.roll(springs, -1)) * state.row("INV_J1"),
-        # Slower than the axial wave, unless that is slowed down (`sim.softness`).
+        # Slower than the axial wave, unless that is slowed down (`sim.march.softness`).
         TWIST: 0.5 * (twists + np.roll(twists, -1)) * state.row("INV_J3"),
         SPRING: (stiffness or 0.0) / line_density,
     }

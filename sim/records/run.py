@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from sim import journal
 from sim.errors import SceneError
-from sim.files import replacing
-from sim.journal import part_of
+from sim.records import journal
+from sim.records.files import replacing
+from sim.records.journal import part_of
 from sim.scene import Scene
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from sim.kernels import ledger as ledger_kernel
 from sim.kernels import march as march_kernel
 from sim.kernels import plane as plane_kernel
 from sim.kernels import tine as tine_kernel
+from sim.march.state import State
 from sim.scene import End, Motion, Scene, Tine
-from sim.state import State
 
 SOFTNESS = 0.3  # default line stiffness of contact as a fraction of Young's modulus
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from sim.kernels import neighbours as kernels
 from sim.kernels.contact import Contact
 from sim.kernels.runs import fill_runs
-from sim.marching import Marching
-from sim.state import State
+from sim.march.marching import Marching
+from sim.march.state import State
 
 
 def rebuild(march: Marching) -> None:

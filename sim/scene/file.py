@@ -8,10 +8,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from sim.complaints import first_complaint
 from sim.errors import SceneError
-from sim.presets import preset_scene
 from sim.scene import Scene
+from sim.scene.complaints import first_complaint
+from sim.scene.presets import preset_scene
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
