@@ -10,7 +10,7 @@ from typing import Any
 
 from sim.explicit import Explicit
 from sim.guards.start import notes
-from sim.kernels.compiled import CACHE, source_digest
+from sim.kernels.compiled import SOURCES, source_digest
 from sim.records.observers import columns
 from sim.scene import Scene
 
@@ -23,7 +23,7 @@ def about(march: Explicit) -> dict[str, Any]:
     versions = {f"version_{name}": _version(name) for name in ("combing", "numpy", "numba")}
     return {
         "scene": json.loads(scene.model_dump_json()),
-        "solver": f"{source_digest(Path(__file__).parent)}-{CACHE.name}",
+        "solver": f"{source_digest(Path(__file__).parent)}-{SOURCES}",
         "windows": windows,
         "window_steps": window_steps,
         "strands": [count + 1 for count in march.state.elements],

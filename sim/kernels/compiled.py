@@ -2,7 +2,8 @@
 
 numba's disk cache notices an edit of the file that holds a kernel, but not of a callee in another
 file, and would then run old machine code. The cache folder is therefore named by a hash of every
-source in this folder.
+source in this folder. Another copy of the same sources has a folder of its own: numba drops what is
+older or younger than its file, so that two copies would drop each other's.
 """
 
 import hashlib
@@ -28,6 +29,12 @@ def source_digest(folder: Path) -> str:
     return digest.hexdigest()[:16]
 
 
+def source_age(folder: Path) -> str:
+    """Return a hash of when every Python source in `folder` was written: one for each copy."""
+    ages = sorted((str(each), each.stat().st_mtime_ns) for each in folder.rglob("*.py"))
+    return hashlib.sha256(repr(ages).encode()).hexdigest()[:8]
+
+
 def _user_cache() -> Path:
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
@@ -39,7 +46,7 @@ def _user_cache() -> Path:
 def cache_folder() -> Path:
     """Return the folder for compiled kernels, the system's temporary one if home is read-only."""
     base = Path(os.environ["NUMBA_CACHE_DIR"]) if "NUMBA_CACHE_DIR" in os.environ else _user_cache()
-    folder = base / "combing" / source_digest(Path(__file__).parent)
+    folder = base / "combing" / f"{SOURCES}-{source_age(Path(__file__).parent)}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -48,6 +55,7 @@ def cache_folder() -> Path:
     return folder
 
 
+SOURCES = source_digest(Path(__file__).parent)
 CACHE = cache_folder()
 
 

@@ -11,7 +11,7 @@ import pytest
 
 import sim
 from sim.explicit import explicit
-from sim.kernels.compiled import source_digest
+from sim.kernels.compiled import source_age, source_digest
 from sim.scene import Damping, Friction, Output
 
 
@@ -124,6 +124,7 @@ def test_an_edited_kernel_changes_the_cache_folder(tmp_path):
     copy = tmp_path / "kernels"
     shutil.copytree(source, copy, ignore=shutil.ignore_patterns("__pycache__"))
     assert source_digest(copy) == source_digest(source)
+    assert source_age(copy) != source_age(
         source
     )  # numba would drop one's machine code for the other
     (copy / "vectors.py").write_text((copy / "vectors.py").read_text() + "\n")
