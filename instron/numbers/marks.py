@@ -5,14 +5,14 @@ be told the marks. Where they do, the answer here is None and every cell is judg
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Sequence
 from mmap import mmap
 
 import numpy as np
 
-from instron.numbers.bits import at, bits, pieces, within
+from instron.numbers.bits import at, bits, pieces
 
-QUOTE, COMMA, POINT, NEWLINE = b'",.\n'
+COMMA, POINT = b",."
 ZERO, TEN = np.uint8(ord("0")), np.uint8(10)
 # What follows a decimal comma that divides cells by mistake: 0,05 or 1,007.
 TORN = re.compile(rb",[-+]?0\d")
@@ -40,7 +40,7 @@ def _proven(pattern: re.Pattern[bytes], data: mmap | bytes, start: int) -> bool:
 
 
 def marks_of(
-    data: mmap | bytes, start: int, delimiter: str, quoted: bool
+    data: mmap | bytes, start: int, delimiter: str, enclosed: Sequence[np.ndarray] | None = None
 ) -> tuple[str, str | None] | None:
     """Return decimal and thousands mark (None if nothing is grouped), or None in any doubt.
 
@@ -55,12 +55,12 @@ def marks_of(
         Where its body starts.
     delimiter
         What divides its cells.
-    quoted
-        Whether there is a quote in the body.
+    enclosed
+        Commas within quotes (``quotes``), if there are any quotes.
     """
     comma, point = (data.find(mark, start) >= 0 for mark in (b",", b"."))
-    if delimiter == "," and quoted:
-        return _between_commas(data, start, point)
+    if delimiter == "," and enclosed is not None:
+        return _between_commas(data, start, point, enclosed)
     if delimiter == "," and not point and TORN.search(data, start):
         return None
     if delimiter == "," or not comma:
@@ -75,73 +75,55 @@ def marks_of(
     return None
 
 
-def _between_commas(data: mmap | bytes, start: int, point: bool) -> tuple[str, str | None] | None:
+def _between_commas(
+    data: mmap | bytes, start: int, point: bool, enclosed: Sequence[np.ndarray]
+) -> tuple[str, str | None] | None:
     """Return the marks where commas divide the cells and may stand in quotes as well."""
     text = np.frombuffer(data, dtype=np.uint8)
-    for inner in (_not_after_quote, _InQuotes()):
-        grouped = _grouped(text, start, COMMA, POINT, inner)
-        if grouped:
-            return ".", ","
-        if grouped is not None:
-            proven = not point or _proven(POINT_BETWEEN_COMMAS, data, start)
-            return (".", None) if proven else None
+    if not any(commas.any() for commas in enclosed):
+        proven = not point or _proven(POINT_BETWEEN_COMMAS, data, start)
+        return (".", None) if proven else None
+    if _grouped(text, start, COMMA, POINT, enclosed):
+        return ".", ","
     if not point:
         return (",", None) if _proven(COMMA_IN_QUOTES, data, start) else None
     return (",", ".") if _grouped(text, start, POINT, COMMA) else None
 
 
-Which = Callable[[np.ndarray, np.ndarray], np.ndarray]
-
-
-def _all(piece: np.ndarray, mark: np.ndarray) -> np.ndarray:
-    return mark
-
-
-def _not_after_quote(piece: np.ndarray, mark: np.ndarray) -> np.ndarray:
-    """Return the marks that no quote precedes: where all cells are quoted, those inside."""
-    return mark & ~at(bits(piece == QUOTE), -1)
-
-
-class _InQuotes:
-    """The marks inside quotes, where only some cells are quoted; a quote must close in its line."""
-
-    def __init__(self) -> None:
-        self.opened = False
-
-    def __call__(self, piece: np.ndarray, mark: np.ndarray) -> np.ndarray:
-        inside, self.opened = within(bits(piece == QUOTE), self.opened)
-        broken = inside & bits(piece == NEWLINE)
-        return mark & inside | broken  # a line break is no regular mark
-
-
 def _grouped(
-    text: np.ndarray, start: int, group: int, decimal: int, which: Which = _all
-) -> bool | None:
-    """Tell whether ``group`` groups thousands; None if it does so in some numbers only.
+    text: np.ndarray,
+    start: int,
+    group: int,
+    decimal: int,
+    counted: Sequence[np.ndarray] | None = None,
+) -> bool:
+    """Tell whether ``group`` groups thousands in every large number, and in one at least.
+
+    One to three digits before it, the first not 0, then exactly three; groups may follow each
+    other, the decimal mark closes the last. All in bits, see ``bits``.
 
     Parameters
     ----------
-    which
-        Which of the marks count, by a piece of text and where it has any.
+    counted
+        Which of the characters are marks, as bits by piece; all if None.
     """
-    found, bare = False, []
-    for piece in pieces(text, start):
-        mark = bits(piece == group)
-        counted = which(piece, mark)[1:-1]
-        if not counted.any():
-            bare.append(piece)
-            continue
+    found, letters = False, False
+    for number, piece in enumerate(pieces(text, start)):
         digit, point = _digits(piece), bits(piece == decimal)
-        regular = _regular(digit, mark, point, bits(piece == ZERO))
-        if (counted & ~regular[1:-1]).any() or _four_first(digit, point):
-            return None
-        found = True
-    if not found:
-        return False
-    exponent = _grouped_exponent(group, decimal)
-    if (text[start:] | 32 == ord("e")).any() and exponent.search(text.data, start):
-        return None
-    return None if any(_four_first(_digits(p), bits(p == decimal)) for p in bare) else True
+        mark = bits(piece == group) if counted is None else counted[number]
+        starts = ~at(digit | mark | point, -1)
+        three = digit & at(digit, 1) & at(digit, 2)
+        if (three & at(digit, 3) & starts)[1:-1].any():
+            return False  # four digits without a mark
+        if not mark[1:-1].any():
+            continue
+        first = digit & starts & ~bits(piece == ZERO)
+        regular = _leads(first, digit, mark) & at(three & at(mark | point, 3), 1)
+        if (mark & ~regular)[1:-1].any():
+            return False
+        raw = piece.tobytes()
+        found, letters = True, letters or b"e" in raw or b"E" in raw
+    return found and not (letters and _grouped_exponent(group, decimal).search(text.data, start))
 
 
 def _grouped_exponent(group: int, decimal: int) -> re.Pattern[bytes]:
@@ -153,24 +135,11 @@ def _digits(piece: np.ndarray) -> np.ndarray:
     return bits(piece - ZERO < TEN)  # unsigned: what is below 0 wraps round
 
 
-def _regular(
-    digit: np.ndarray, mark: np.ndarray, point: np.ndarray, zero: np.ndarray
-) -> np.ndarray:
-    """Return where a mark would group three digits of a number that has a decimal mark.
+def _leads(first: np.ndarray, digit: np.ndarray, mark: np.ndarray) -> np.ndarray:
+    """Return the places after one to three first digits of a number, or after a group of three.
 
-    One to three digits before it, the first not 0, then exactly three; groups may follow each
-    other, the decimal mark closes the last. All in bits, see ``bits``.
+    The three digits of a group are another mark's to ask for.
     """
-    first = at(~(digit | mark | point), -1) & digit & ~zero
     second = at(first, -1) & digit
     third = at(second, -1) & digit
-    before = at(first | second | third, -1) | at(mark, -4)
-    two = digit & at(digit, 1)
-    three_closed = two & at(digit, 2) & at(mark | point, 3)
-    return before & at(three_closed, 1)
-
-
-def _four_first(digit: np.ndarray, point: np.ndarray) -> bool:
-    """Tell whether a number starts with four digits in a row, decimals aside."""
-    two = digit & at(digit, 1)
-    return bool((two & at(two, 2) & ~at(digit | point, -1))[1:-1].any())
+    return at(first | second | third, -1) | at(mark, -4)

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from instron.numbers.bits import at, bits, pieces
-from instron.numbers.marks import QUOTE, marks_of
+from instron.numbers.marks import marks_of
 from instron.numbers.numerals import Unclear, to_numbers
+from instron.numbers.quotes import enclosed_commas
 from instron.source.files import Source
+from instron.source.stream import Unquoted
 from instron.tables.blocks import repeated_blocks
 from instron.tables.body import Body
 from instron.tables.layout import Header, split_cells
@@ -21,12 +22,16 @@ def one_table(
     source: Source, start: int, header: Header, delimiter: str, first: str
 ) -> Body | None:
     """Return the body if the source is one clean table from byte ``start`` on, else None."""
-    quoted = source.survey.quoted and source.data.find(b'"', start) >= 0
-    marks = marks_of(source.data, start, delimiter, quoted)
+    enclosed = None
+    if source.survey.quoted and source.data.find(b'"', start) >= 0:
+        enclosed = enclosed_commas(source.data, start, delimiter)
+        if enclosed is None:
+            return None
+    marks = marks_of(source.data, start, delimiter, enclosed)
     if marks is None:
         return None
     source.release()
-    table = _pandas(source, header, delimiter, marks, start, quoted)
+    table = _pandas(source, header, delimiter, marks, start, enclosed)
     if table is None or not isinstance(table.index, pd.RangeIndex):
         return None  # pandas makes an index of the first column where a row is too wide
     if any(table[i].dtype.kind not in "fi" for i in header.used()):
@@ -34,7 +39,7 @@ def one_table(
     values = {i: table[i].to_numpy(dtype=float, copy=False) for i in header.used()}
     if header.first_unnamed() in table and _filled(table[header.first_unnamed()]):
         return None
-    if quoted and not _quotes_are_whole(source, start, len(table), delimiter):
+    if enclosed is not None and len(table) != _lines_from(source, start):
         return None
     if not _first_row_agrees(first, delimiter, marks[0], values):
         return None
@@ -80,19 +85,26 @@ def _pandas(
     delimiter: str,
     marks: tuple[str, str | None],
     start: int,
-    quoted: bool,
+    enclosed: list[np.ndarray] | None,
 ) -> pd.DataFrame | None:
     """Return the C reader's table, or None where it stumbles, as at an empty cell.
 
     Only specimens side by side may have some, where one is shorter.
     """
+    # Where commas divide cells and are decimal marks, quotes tell one from the other.
+    plain = enclosed is not None and not (delimiter == "," and marks[0] == ",")
     form: dict[str, Any] = {"na_filter": False, "dtype": dict.fromkeys(header.used(), float)}
     if len(header.specimens) > 1:
         form = {}
     try:
-        with warnings.catch_warnings(), source.opened(start) as body:
+        with warnings.catch_warnings(), source.opened(start) as file:
             warnings.simplefilter("ignore")
-            return pd.read_csv(
+            body: Any = file
+            if plain:
+                grouped = delimiter == "," and marks[1] == ","
+                body = Unquoted(file, enclosed if enclosed and grouped else ())
+                marks = (marks[0], None) if grouped else marks
+            table: pd.DataFrame = pd.read_csv(
                 body,
                 sep=r"\s+" if delimiter == "spaces" else delimiter,
                 header=None,
@@ -101,29 +113,20 @@ def _pandas(
                 thousands=marks[1],
                 encoding_errors="replace",  # digits are ASCII; latin-1 is twice as slow
                 engine="c",
-                quoting=csv.QUOTE_MINIMAL if quoted else csv.QUOTE_NONE,  # a fifth faster
+                # Not to look for quotes is a fifth faster.
+                quoting=csv.QUOTE_NONE if plain or enclosed is None else csv.QUOTE_MINIMAL,
                 **form,
             )
+            return table
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError):
         return None
 
 
-def _quotes_are_whole(source: Source, start: int, rows: int, delimiter: str) -> bool:
-    """Return False if a quote stands within a cell, or a line break within quotes.
-
-    Of ``"773.98"5.00"`` the C reader makes 773.985, and of two lines one.
-    """
-    for piece in pieces(np.frombuffer(source.data, dtype=np.uint8), start):
-        quote = bits(piece == QUOTE)
-        # Comma, TAB and line ends come before "-"; other such characters make no number anyway.
-        edge = bits(piece < ord("-")) & ~quote
-        if delimiter in ";|":
-            edge |= bits(piece == ord(delimiter))
-        if (quote & ~(at(edge, -1) | at(edge, 1)))[1:-1].any():
-            return False
+def _lines_from(source: Source, start: int) -> int:
+    """Count the lines of a body, without blank ones at its end."""
     tail = source.data[-1000:]
     blank = max(tail[len(tail.rstrip(b"\r\n")) :].count(b"\n") - 1, 0)
-    return rows == source.count - source.data[:start].count(b"\n") - blank
+    return source.count - source.data[:start].count(b"\n") - blank
 
 
 def _first_row_agrees(line: str, delimiter: str, mark: str, values: dict[int, np.ndarray]) -> bool:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from instron.numbers import bits
 from instron.numbers.marks import marks_of
+from instron.numbers.quotes import enclosed_commas
 
 LARGE = {
     ",": re.compile(r"[1-9]\d{0,2}(?:,\d{3})+\.[\d.]*"),
@@ -43,12 +44,16 @@ def test_thousands_are_those_of_a_reader_number_by_number(cells, german):
     if german:
         cells = [cell.translate(str.maketrans(",.", ".,")) for cell in cells]
     text = "\n".join(["head", "a;b", *(f"{c};1{',' if german else '.'}0" for c in cells), ""])
-    found = marks_of(text.encode(), text.index("\n", 5) + 1, ";", quoted=False)
+    found = marks_of(text.encode(), text.index("\n", 5) + 1, ";")
     mark = "." if german else ","
     if found is not None and found[1] is not None:
         assert grouped(cells, found[1])
     elif grouped(cells, mark):
         assert found is None, "thousands were not seen"
+
+
+def in_quotes(data, start):
+    return marks_of(data, start, ",", enclosed_commas(data, start, ","))
 
 
 @pytest.mark.parametrize("size", [64, 1 << 19])
@@ -59,11 +64,11 @@ def test_pieces_do_not_change_what_is_found(size, monkeypatch):
     rows = [f'{v / 7e4:.2f},"{v:,.2f}"' if v > 1e3 else f"{v:.2f},{v:.2f}" for v in values]
     start = b"Time,Load\n"
     data = start + "\n".join(rows).encode() + b"\n"
-    assert marks_of(data, len(start), ",", quoted=True) == (".", ",")
+    assert in_quotes(data, len(start)) == (".", ",")
     broken = data.replace(b",00", b",0", 1).replace(b",1", b",01", 1)
-    assert marks_of(broken, len(start), ",", quoted=True) is None
+    assert in_quotes(broken, len(start)) is None
     plain = data.replace(f'"{values[-1]:,.2f}"'.encode(), f"{values[-1]:.2f}".encode())
-    assert marks_of(plain, len(start), ",", quoted=True) is None
+    assert in_quotes(plain, len(start)) is None
 
 
 @given(st.lists(st.booleans(), min_size=128, max_size=128), st.integers(-9, 9).filter(bool))
