@@ -12,7 +12,9 @@ RISE = 0.1  # of the highest force: so much of the first rise is looked at
 SURE = 10  # sd of the averaged noise that it has at least
 GONE = 0.5  # of that force: under it a first rise is over
 AGAIN = 0.1  # of the work that comes later: the first rise was a jam's
-FINE, STEPS = 0.125, 16  # from the power 1 on
+GENTLEST = 3.0  # power of a rise; the steepest is straight
+COARSE = 0.25  # step of the powers tried first
+FINE = (0.125, 0.02)  # beside the best so far, twice
 PLACES = 101
 FEWEST, MOST = 6, 200  # rows of the rise; of more the means of some are taken
 
@@ -91,7 +93,7 @@ def _refuse_jam(d: np.ndarray, smooth: np.ndarray, level: float, top: int, name:
 def _least(x: np.ndarray, y: np.ndarray, known: float, wide: float) -> tuple[float, np.ndarray]:
     """Return the place that leaves the least, and those that leave not much more."""
     places = np.linspace(2 * x[0] - x[-1], x[-1], 2 * PLACES)
-    for _ in range(2):  # once more, finely, where it may be
+    for _ in range(3):  # twice more, finely, where it may be
         rest = _misfits(x, y, places, known)
         likely = places[rest <= rest.min() * (1 + wide**2 / (len(x) - 3))]
         step = places[1] - places[0]
@@ -100,16 +102,27 @@ def _least(x: np.ndarray, y: np.ndarray, known: float, wide: float) -> tuple[flo
 
 
 def _misfits(x: np.ndarray, y: np.ndarray, places: np.ndarray, known: float) -> np.ndarray:
-    """Return the sum of squares that the best rise from each place leaves.
+    """Return the sum of squares that the best rise from each place leaves, whatever its power.
 
     The zero is fitted, known beforehand as well as so many readings tell it.
     """
     shape, weight = np.maximum(x - places[:, None], 0) / (x[-1] - x[0]), len(x) + known
-    rest, root = np.full(len(places), np.inf), shape**FINE
-    for _ in range(STEPS + 1):
-        total = shape.sum(axis=1)
-        along = np.maximum(shape @ y - total * y.sum() / weight, 0)
-        size = np.maximum((shape**2).sum(axis=1) - total**2 / weight, 1e-300)
-        rest = np.minimum(rest, y @ y - y.sum() ** 2 / weight - along**2 / size)
-        shape = shape * root
+    spread = y @ y - y.sum() ** 2 / weight
+
+    def misfit(risen: np.ndarray) -> np.ndarray:
+        total = risen.sum(axis=1)
+        along = np.maximum(risen @ y - total * y.sum() / weight, 0)
+        size = np.maximum((risen**2).sum(axis=1) - total**2 / weight, 1e-300)
+        return np.asarray(spread - along**2 / size)
+
+    powers = np.arange(1, GENTLEST + COARSE / 2, COARSE)
+    tried = np.array([misfit(shape**power) for power in powers])
+    best, rest = powers[np.argmin(tried, axis=0)], tried.min(axis=0)
+    for step in FINE:  # the lowest of the parabola through three, where that is lower
+        below, above = (misfit(shape ** (best + sign * step)[:, None]) for sign in (-1, 1))
+        bend = np.maximum(below + above - 2 * rest, 1e-300)
+        off = np.clip((below - above) / 2 / bend, -1, 1) * step
+        new = np.clip(best + off, 1, GENTLEST)
+        there = misfit(shape ** new[:, None])
+        best, rest = np.where(there < rest, new, best), np.minimum(there, rest)
     return rest
