@@ -121,9 +121,13 @@ def _grouped(
         regular = _leads(first, digit, mark) & at(three & at(mark | point, 3), 1)
         if (mark & ~regular)[1:-1].any():
             return False
-        raw = piece.tobytes()
-        found, letters = True, letters or b"e" in raw or b"E" in raw
+        found, letters = True, letters or _has_e(piece)
     return found and not (letters and _grouped_exponent(group, decimal).search(text.data, start))
+
+
+def _has_e(piece: np.ndarray) -> bool:
+    """Tell whether a piece has an e; mostly no character of it comes as late as that."""
+    return bool(piece.max() >= ord("E")) and b"e" in piece.tobytes().lower()
 
 
 def _grouped_exponent(group: int, decimal: int) -> re.Pattern[bytes]:

@@ -309,12 +309,22 @@ def _units_row(
     cells = split_cells(COMMENTED.sub("", lines[number]), delimiter)
     named = names if delimiter != "spaces" else cells  # notes stand right of the last name
     filled = [cell for cell, name in zip(cells, named, strict=False) if cell and name]
+    if len(named) > 2 and _labels_a_value(cells):
+        return None, None, number
     known = sum(is_unit(cell) for cell in filled)
     bracketed = bool(filled) and all(cell[0] in "([<{" for cell in filled)
     known += bracketed and all(cell in ("()", "[]", "<>", "{}") for cell in filled)
     if known and (bracketed or 2 * known >= len(filled)) and not any(map(looks_numeric, filled)):
         return cells, number, _skip_blank(lines, number + 1)
     return None, None, number
+
+
+def _labels_a_value(cells: list[str]) -> bool:
+    """Tell whether a line is a word and what it is: of ``Sample,a`` the a is no ampere."""
+    word, *values = cells
+    alone = values[:1] != [""] and not any(values[1:]) and len(values) > 0
+    says = re.search(r"[^\W\d_]{3}", word) and not is_unit(word)
+    return alone and bool(says) and plain(word) not in UNIT_LABELS
 
 
 def _skip_blank(lines: list[str], number: int) -> int:

@@ -226,3 +226,21 @@ def test_thousands_that_only_late_rows_have(blank, encoding, tmp_path):
     text = "Time\tExtension\tLoad\n(s)\t(mm)\t(N)\n" + body.replace(",", blank)
     path.write_bytes(text.encode(encoding))
     np.testing.assert_array_equal(instron.read(path)[0]["force"], force)
+
+
+@pytest.mark.parametrize("line", ["Sample,a", "Specimen,m", "Batch,g", "Operator,N,", "Probe,V,,"])
+@pytest.mark.parametrize("units", ["", "(s),(mm),(N)\n"])
+def test_a_label_and_its_letter_are_no_row_of_units(line, units, tmp_path):
+    """Ampere, metre, gram, newton and volt are letters that specimens are called by."""
+    path = tmp_path / "export.csv"
+    rows = "".join(f"{k / 10},{k / 40},{k / 64}\n" for k in range(20))
+    path.write_text(f"Time,Extension,Load\n{units}{line}\n{rows}")
+    log = instron.read(path)[0]
+    assert log["displacement"].iloc[-1] == pytest.approx(19 / 40 * 1e-3)
+    assert log["force"].iloc[-1] == 19 / 64
+
+
+def test_a_row_with_one_unit_is_still_one(tmp_path):
+    path = tmp_path / "export.csv"
+    path.write_text("Units,Extension,Load\nUnits,mm,kN\n" + ",0.5,0.25\n,0.75,0.5\n")
+    assert instron.read(path)[0]["force"].iloc[-1] == 500
