@@ -38,12 +38,12 @@ def from_marker(photo: Photo, side: float, *, perspective: bool = False) -> tupl
     scale : Scale
         Its sd holds what blur does to the sides, and their inequality (tilt).
     photo : Photo
-        The same with this marker, and any of another kind, to be ignored.
+        The same with this marker to be ignored.
 
     Raises
     ------
     Unmeasurable
-        When no marker, or more than one, is found.
+        When no marker, or more than one, of whatever dictionaries, is found.
     """
     if not side > 0:
         raise Unmeasurable(f"marker side of {side:g} m; it must be positive")
@@ -65,7 +65,7 @@ def find_marker(photo: Photo, seen: Seen | None = None) -> np.ndarray:
     """Return the corners of the only ArUco marker, (4, 2) [px], clockwise from its top left.
 
     Looked for at full resolution around where it is `seen` in a smaller picture, if it is alone
-    there, else everywhere.
+    there, else everywhere, in all dictionaries: whose side is stated, of two, is not for us to say.
     """
     seen = seen_small(photo) if seen is None else seen
     if [len(places) for places in seen.values()] == [1]:
@@ -73,16 +73,26 @@ def find_marker(photo: Photo, seen: Seen | None = None) -> np.ndarray:
         found = _sharp(photo, name, _around(rough))
         if len(found) == 1:
             return found[0]
-    for name in DICTIONARIES:
-        found = _sharp(photo, name, EVERYWHERE)
-        if len(found) > 1:
-            raise Unmeasurable(f"{photo.source}: {len(found)} ArUco markers; leave one to be seen")
-        if len(found) == 1:
-            return found[0]
+    every = [(name, one) for name in DICTIONARIES for one in _sharp(photo, name, EVERYWHERE)]
+    every = [one for n, one in enumerate(every) if not any(_same(one[1], e[1]) for e in every[:n])]
+    if len(every) > 1:
+        middles = [(name, *one.mean(axis=0)) for name, one in every]
+        places = ", ".join(f"{name} at {x:.0f},{y:.0f}" for name, x, y in middles)
+        raise Unmeasurable(
+            f"{photo.source}: {len(every)} ArUco markers ({places}); leave one to be seen"
+        )
+    if every:
+        return every[0][1]
     raise Unmeasurable(
         f"{photo.source}: no ArUco marker found ({', '.join(DICTIONARIES)}); "
         "show one whole and sharp, or state the scale in another way"
     )
+
+
+def _same(corners: np.ndarray, others: np.ndarray) -> bool:
+    """Tell whether two readings are of one marker: its middle lies nearer than half a side."""
+    apart = np.linalg.norm(corners.mean(axis=0) - others.mean(axis=0))
+    return bool(apart < np.linalg.norm(others[1] - others[0]) / 2)
 
 
 def _sharp(photo: Photo, name: str, window: tuple[slice, slice]) -> list[np.ndarray]:

@@ -21,6 +21,9 @@ MEDIAN = 0.6745  # sds of a Gaussian; half of it lies within
 SOME, ROWS = 7, 300  # of so many rows the noise is looked at in one, but in so many at least
 LARGER = 4  # px; side of the pixels in which texture is told from noise
 CHANGING = 0.06  # banded cables have 0.1 to 0.6, tangles of strands of one colour each up to 0.03
+UNLIKE = (
+    25.0  # Lab units; nearer colours (navy, blue) take turns along a thin strand by noise alone
+)
 PAIR = 3  # colours; two or three may be of strands twisted together, which change places as often
 SINGLE = 0.7  # of the breadth of what is covered, that strands of one colour have at least
 THICK = 1.25  # times the usual depth; strands cross or touch
@@ -61,7 +64,7 @@ def segment(photo: Photo) -> Segmentation:
 
 
 def changing(found: Segmentation) -> float:
-    """Tell how often single strands change their colour, in strand widths of border a width.
+    """Tell how often single strands change to an unlike colour, in strand widths of border a width.
 
     Counted where what is covered is as broad as a single strand: not near crossings. Where it is
     broader than strands of one colour everywhere, strands lie beside each other; 0 then.
@@ -76,8 +79,11 @@ def changing(found: Segmentation) -> float:
     thick = cv2.dilate((depth > THICK * usual).view(np.uint8), np.ones((reach, reach), np.uint8))
     alone = np.pad(np.where(thick == 0, labels, np.uint8(0)), 1).ravel()
     at = places_of(alone)
+    unlike = np.zeros((len(found.colours) + 1,) * 2, bool)  # never the ground, 0
+    apart = found.colours[:, None] - found.colours
+    unlike[1:, 1:] = np.linalg.norm(apart, axis=-1) > UNLIKE
     beside = [alone[at + step] for step in (1, labels.shape[1] + 2)]
-    borders = sum(np.count_nonzero((other != alone[at]) & (other > 0)) for other in beside)
+    borders = sum(np.count_nonzero(unlike[alone[at], other]) for other in beside)
     return float(borders * found.width / max(len(at), 1))
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from drawn.tables import draw_table
+from imaging_curls import draw
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
@@ -64,3 +65,16 @@ def test_no_strand_is_made_of_a_table(ground):
     on_cables = [(cables.query(s.line)[0] < 2 * max(table.radii)).mean() for s in strands]
     assert min(on_cables) > 0.5
     assert len(strands) > 0
+
+
+@pytest.mark.parametrize("seed", [1000, 1001, 1008])
+def test_specks_of_a_like_colour_do_not_make_strands_banded(seed):
+    """Noise gives specks of thin navy strands the colour of the blue ones."""
+    found = segment(Photo(draw(seed).pixels))
+    assert found.pieces is None
+    assert len(found.colours) == 12
+
+
+@pytest.mark.parametrize("seed", [0, 2, 1000])
+def test_bands_of_unlike_colours_are_followed_by_ridges(seed):
+    assert segment(Photo(draw_table("card", seed).pixels)).pieces is not None

@@ -49,6 +49,16 @@ def test_no_marker_or_two_are_refused(count, reason):
         from_marker(_with_marker(count=count), SIDE)
 
 
+@pytest.mark.parametrize("other", ["DICT_5X5_50", "DICT_6X6_50", "DICT_ARUCO_ORIGINAL"])
+def test_two_markers_of_two_dictionaries_are_named_and_refused(other):
+    photo = _with_marker()
+    known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, other))
+    photo.pixels[220:320, 400:500] = cv2.aruco.generateImageMarker(known, 3, 100)[..., None]
+    said = rf"2 ArUco markers \(DICT_4X4_50 at 140,120, {other} at 450,270\)"
+    with pytest.raises(Unmeasurable, match=said):
+        from_marker(photo, SIDE)
+
+
 def test_ruler():
     scale = from_ruler((10, 20), (310, 420), 0.05)
     assert scale.metres_per_pixel == pytest.approx(1e-4)
