@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.kernels.compiled import formula, kernel
-from sim.kernels.curve import bend_centreline, load_nodes
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.neighbours import keep_in_play
 from sim.kernels.overlap import *  # noqa: F403
@@ -23,16 +22,13 @@ GIVES_WAY = 0.3  # mean overlap over contact distance, 0.31 where that is half, 
 
 # Columns of a run: forces at the starts and ends of a and b (of its end with a minus sign), the sum
 # of the force's magnitudes and that sum weighted by s and by t, the spring constant of the whole
-# interval, couples on a and b, the slip, and the forces on the bulges of a and (less) of b; the
-# interval that touches, and what tells the place on b (`meeting`).
+# interval, couples on a and b, and the slip.
 AT_A0, AT_A1, AT_A2, BY_S0, BY_S1, BY_S2 = (STRIDE * row for row in range(6))
 AT_B0, AT_B1, AT_B2, BY_T0, BY_T1, BY_T2 = (STRIDE * row for row in range(6, 12))
 TOTAL, SUM_S, SUM_T, SPRING = (STRIDE * row for row in range(12, 16))
 TURN_A0, TURN_A1, TURN_A2, TURN_B0, TURN_B1, TURN_B2 = (STRIDE * row for row in range(16, 22))
 SLIP0, SLIP1, SLIP2 = (STRIDE * row for row in range(22, 25))
-BOW_S0, BOW_S1, BOW_S2, BOW_T0, BOW_T1, BOW_T2 = (STRIDE * row for row in range(25, 31))
-LOW, HIGH, START, RATE = (STRIDE * row for row in range(31, 35))
-WORK = STRIDE * 35
+WORK = STRIDE * 25
 
 
 class Contact(NamedTuple):
@@ -86,16 +82,24 @@ def wedges(buf, n):
         buf[B2 + i] = left * buf[T2 + i - 1] + right * buf[T2 + i]
 
 
+@formula
+def contact_interval(buf, a, b, reach):
+    """Return the interval of s on element a that element b owns and that may touch it."""
+    p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+    q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
+    n0, n1 = at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1)
+    h0, h1 = buf[OVERHANG + b], buf[OVERHANG + b + 1]
+    return interval(minus(p0, q0), minus(p1, p0), minus(q1, q0), n0, n1, h0, h1, reach)
+
+
 @kernel
 def contact_forces(buf, n, dt, contact, friction):
     """Add the contact forces, and friction if given, of all pairs in the neighbour list."""
-    bend_centreline(buf, n)
     wedges(buf, n)
     keep_in_play(buf, n, dt, contact)
     contact.play[2] = 0.0
     run = 0
     while contact.runs[LENGTH_OF, run] > 0:
-        meet_run(buf, contact, run)
         contact.play[2] += press_run(buf, contact, run)
         if friction is not None:
             rub_run(buf, dt, contact, friction, run)
@@ -103,53 +107,34 @@ def contact_forces(buf, n, dt, contact, friction):
         if friction is not None:
             scatter_couples(buf, contact, run)
         run += 1
-    load_nodes(buf, n)
-
-
-@kernel
-def meet_run(buf, contact, run):
-    """Find where a run's pairs touch and fill these columns.
-
-    Whole vectors only, so that a pair's rounding does not depend on its place in the run; nobody
-    uses the columns beyond the last pair. Several loops: a longer one is not vectorised.
-    """
-    a, b, _, length = bounds(contact.runs, run)
-    work, count = contact.work, whole(length)
-    for k in range(count):
-        w0, dp, bow, u, sag, n0, n1, h0, h1, reach = facing(buf, a + k, b + k)
-        low, high = owned(w0, dp, bow, u, n0, n1, h0, h1)
-        work[LOW + k], work[HIGH + k] = reached(low, high, w0, dp, bow, u, sag, reach)
-    for k in range(count):
-        w0, dp, bow, u, sag, _, _, _, _, reach = facing(buf, a + k, b + k)
-        low, high, there = touching(work[LOW + k], work[HIGH + k], w0, dp, bow, u, sag, reach)
-        work[START + k], work[RATE + k] = there
-        touches = low < high
-        work[LOW + k] = low if touches else 0.0
-        work[HIGH + k] = high if touches else 0.0
 
 
 @kernel
 def press_run(buf, contact, run):
-    """Integrate the contact of a run's pairs where they touch and fill their columns.
+    """Integrate the contact of a run's pairs and fill their columns.
 
-    Returns how many of them give way (`sim.kernels.passing`).
+    Returns how many of them give way (`sim.kernels.passing`). Whole vectors only, so that a pair's
+    rounding does not depend on its place in the run; nobody uses the columns beyond the last pair.
     """
     a, b, _, length = bounds(contact.runs, run)
     work, yielding = contact.work, 0
     for k in range(whole(length)):
-        line = contact.stiffness * buf[LENGTH + (a + k)]
-        w0, dp, bow, u, sag, _, _, _, _, reach = facing(buf, a + k, b + k)
-        low, high = work[LOW + k], work[HIGH + k]
-        there = work[START + k], work[RATE + k]
-        force, by_s, by_t, bow_s, bow_t, total, sum_s, sum_t = press(
-            w0, dp, bow, u, sag, low, high, there, reach, line
+        i, j = a + k, b + k
+        p0, q0 = at(buf, X0, X1, X2, i), at(buf, X0, X1, X2, j)
+        w, dp = minus(p0, q0), minus(at(buf, X0, X1, X2, i + 1), p0)
+        u = minus(at(buf, X0, X1, X2, j + 1), q0)
+        n0, n1 = at(buf, B0, B1, B2, j), at(buf, B0, B1, B2, j + 1)
+        reach, line = buf[RADIUS + i] + buf[RADIUS + j], contact.stiffness * buf[LENGTH + i]
+        low, high = interval(w, dp, u, n0, n1, buf[OVERHANG + j], buf[OVERHANG + j + 1], reach)
+        touches = low < high
+        low, high = low if touches else 0.0, high if touches else 0.0
+        force, by_s, by_t, total, sum_s, sum_t = press(
+            w, along(w, 1.0, dp), (0.0, 0.0, 0.0), u, low, high, reach, line
         )
         put(work, AT_A0, AT_A1, AT_A2, k, minus(force, by_s))
         put(work, BY_S0, BY_S1, BY_S2, k, by_s)
         put(work, AT_B0, AT_B1, AT_B2, k, minus(by_t, force))
         put(work, BY_T0, BY_T1, BY_T2, k, by_t)
-        put(work, BOW_S0, BOW_S1, BOW_S2, k, bow_s)
-        put(work, BOW_T0, BOW_T1, BOW_T2, k, bow_t)
         spring = line * (high - low)
         put(work, TOTAL, SUM_S, SUM_T, k, (total, sum_s, sum_t))
         work[SPRING + k] = spring
@@ -159,7 +144,7 @@ def press_run(buf, contact, run):
 
 @kernel
 def scatter_run(buf, contact, run):
-    """Add the forces in the columns of a run to the four nodes of each pair and to both bulges.
+    """Add the forces in the columns of a run to the four nodes of each pair.
 
     A node is the end of one pair and the start of the next: its sums are in the order of the pairs
     if the ends of all of them come first.
@@ -169,8 +154,6 @@ def scatter_run(buf, contact, run):
     add_run(buf, F0, F1, F2, b + 1, contact.work, BY_T0, BY_T1, BY_T2, length, -1.0)
     add_run(buf, F0, F1, F2, a, contact.work, AT_A0, AT_A1, AT_A2, length, 1.0)
     add_run(buf, F0, F1, F2, b, contact.work, AT_B0, AT_B1, AT_B2, length, 1.0)
-    add_run(buf, P0, P1, P2, a, contact.work, BOW_S0, BOW_S1, BOW_S2, length, 1.0)
-    add_run(buf, P0, P1, P2, b, contact.work, BOW_T0, BOW_T1, BOW_T2, length, -1.0)
 
 
 @kernel

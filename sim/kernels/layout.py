@@ -19,8 +19,7 @@ _CONSTANTS = "INV_LENGTH LENGTH SHEAR STRETCH INV_J1 INV_J3 J_RATIO RADIUS"
 _WORK = "N0 N1 N2 T0 T1 T2 E0 E1 E2"
 _VERTICES = "INV_VORONOI BEND TWIST K0 K1 K2 L0 L1 L2 R0 R1 R2"
 _CONTACT = "PREVIOUS NEXT B0 B1 B2 OVERHANG A0 A1 A2 G0 G1 G2 ROAM SWAY"
-_CURVE = "KINK SHARP Z0 Z1 Z2 H0 H1 H2 P0 P1 P2"
-_NAMES = " ".join((_NODES, _ELEMENTS, _CONSTANTS, _WORK, _VERTICES, _CONTACT, _CURVE)).split()
+_NAMES = " ".join((_NODES, _ELEMENTS, _CONSTANTS, _WORK, _VERTICES, _CONTACT)).split()
 ROWS = len(_NAMES)
 ROW = {name: number for number, name in enumerate(_NAMES)}
 
@@ -66,11 +65,3 @@ OVERHANG = PITCH * ROW["OVERHANG"]
 A0, A1, A2 = (PITCH * ROW[name] for name in ("A0", "A1", "A2"))
 G0, G1, G2 = (PITCH * ROW[name] for name in ("G0", "G1", "G2"))
 ROAM, SWAY = (PITCH * ROW[name] for name in ("ROAM", "SWAY"))
-
-# The centreline that contact acts on (`sim.kernels.curve`): what the turn at a node counts, how
-# much of its change along the element is added to those beside it, that turn (and the force on it),
-# the bulge of an element [m] and the force on it [N].
-KINK, SHARP = (PITCH * ROW[name] for name in ("KINK", "SHARP"))
-Z0, Z1, Z2 = (PITCH * ROW[name] for name in ("Z0", "Z1", "Z2"))
-H0, H1, H2 = (PITCH * ROW[name] for name in ("H0", "H1", "H2"))
-P0, P1, P2 = (PITCH * ROW[name] for name in ("P0", "P1", "P2"))

@@ -6,14 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.kernels.compiled import kernel
-from sim.kernels.contact import wedges
-from sim.kernels.curve import bend_centreline
+from sim.kernels.contact import GAUSS, contact_interval, wedges
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.overlap import GAUSS, arc, facing, gap_next_to, meeting
 from sim.kernels.rod import kick, logarithm, strain_rate, turning_rate
 from sim.kernels.tine import Tines, energy_with
 from sim.kernels.touch import touching_loads
-from sim.kernels.vectors import at, dot, minus
+from sim.kernels.vectors import along, at, dot, minus
 
 
 class Ledger(NamedTuple):
@@ -169,17 +167,16 @@ def turning_power(buf, i):
 
 
 @kernel
-def pressed(buf, a, b, contact):
-    """Return the energy of the contact of element a with element b [J]."""
-    line = contact.stiffness * buf[LENGTH + a]
-    w0, dp, bow, u, sag, n0, n1, h0, h1, reach = facing(buf, a, b)
-    low, high, there = meeting(w0, dp, bow, u, sag, n0, n1, h0, h1, reach)
+def pressed(p0, p1, q0, q1, low, high, reach, line):
+    """Return the energy of the contact of segment p over [low, high] with segment q [J]."""
+    dp, u = minus(p1, p0), minus(q1, q0)
+    inverse = 1.0 / (dot(u, u) + 1e-300)
     total = 0.0
-    if low >= high:
-        return total
     for node, weight in GAUSS:
-        s = low + (high - low) * node
-        gap, _ = gap_next_to(arc(w0, s, dp, bow), s, there, u, sag)
+        x = along(p0, low + (high - low) * node, dp)
+        w = minus(x, q0)
+        t = min(max(dot(w, u) * inverse, 0.0), 1.0)
+        gap = along(w, -t, u)
         deep = max(reach - math.sqrt(dot(gap, gap)), 0.0)
         total += 0.5 * line * (high - low) * weight * deep * deep
     return total
@@ -188,11 +185,17 @@ def pressed(buf, a, b, contact):
 @kernel
 def contact_energy(buf, n, contact):
     """Return the energy stored in the contact of rods [J]."""
-    bend_centreline(buf, n)
     wedges(buf, n)
     total = 0.0
     for k in range(contact.pairs.shape[1]):
-        total += pressed(buf, contact.pairs[0, k], contact.pairs[1, k], contact)
+        a, b = contact.pairs[0, k], contact.pairs[1, k]
+        reach = buf[RADIUS + a] + buf[RADIUS + b]
+        low, high = contact_interval(buf, a, b, reach)
+        if low < high:
+            p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
+            q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
+            line = contact.stiffness * buf[LENGTH + a]
+            total += pressed(p0, p1, q0, q1, low, high, reach, line)
     return total
 
 

@@ -12,7 +12,7 @@ from sim.kernels.contact import Contact, Friction
 from sim.kernels.ends import Driven, Held, Pulled, drive, pull, react, weigh_holders
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.ledger import Ledger, kick_and_book, touch_and_book
-from sim.kernels.neighbours import NODES_MOVE, moved_far
+from sim.kernels.neighbours import moved_far
 from sim.kernels.plane import Planes, plane_forces
 from sim.kernels.rod import (
     bend_and_twist,
@@ -129,7 +129,7 @@ def record(buf, driven, held, dt):
 def is_stale(buf, n, contact):
     """Tell whether the neighbour list may miss a contact."""
     if contact is not None:
-        return moved_far(buf, n, NODES_MOVE * contact.skin)
+        return moved_far(buf, n, 0.5 * contact.skin)
     return False
 
 

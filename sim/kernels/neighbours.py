@@ -1,7 +1,7 @@
 """Which pairs of elements may touch: Verlet lists from a grid of cells, and a second, finer sieve.
 
-A list holds every pair that may touch before a node has moved by NODES_MOVE of the skin. Of these,
-the pairs in play may touch before a node has moved by a small part of it: few more than really do.
+A list holds every pair that may touch before a node has moved by half the skin. Of these, the pairs
+in play may touch before a node has moved by a small part of it: few more than really do.
 """
 
 import math
@@ -9,9 +9,8 @@ import math
 import numpy as np
 
 from sim.kernels.compiled import formula, kernel
-from sim.kernels.curve import bend_centreline
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.overlap import facing, meeting
+from sim.kernels.overlap import interval
 from sim.kernels.runs import LENGTH_OF, bounds, prolong, whole
 from sim.kernels.vectors import along, at, dot, minus
 
@@ -19,8 +18,6 @@ FINEST, COARSEST = 1 / 1024, 1 / 8  # of the skin: how far nodes may move before
 SELDOM, OFTEN = 20, 8  # steps between two sievings
 LEAST, MOST = 2.0, 32.0  # steps for which nodes may move on as fast as they are
 FORGETS = 0.9  # from one sieving to the next, how fast a node was
-SWINGS = 1.75  # how far places on centrelines move at most while no node does more than 1
-NODES_MOVE = 0.5 / SWINGS  # of the skin, until a list is built anew
 
 
 @kernel
@@ -53,14 +50,13 @@ def remember(buf, n, row0, row1, row2):
 @kernel
 def longest_reach(buf, n, skin):
     """Return the edge of a cell: the largest distance of two midpoints that may touch."""
-    length = radius = bulge = 0.0
+    length = radius = 0.0
     for i in range(n):
         if buf[LENGTH + i] > 0.0:
             step = minus(at(buf, X0, X1, X2, i + 1), at(buf, X0, X1, X2, i))
             length = max(length, dot(step, step))
             radius = max(radius, buf[RADIUS + i])
-            bulge = max(bulge, sagitta(buf, i))
-    return 2.0 * (radius + bulge) + math.sqrt(length) + skin
+    return 2.0 * radius + math.sqrt(length) + skin
 
 
 @kernel
@@ -80,19 +76,12 @@ def bucket(cell, mask):
     return ((cell[0] * 73856093) ^ (cell[1] * 19349663) ^ (cell[2] * 83492791)) & mask
 
 
-@formula
-def sagitta(buf, a):
-    """Return how far the centreline of element a is off its chord in the middle [m]."""
-    b = at(buf, H0, H1, H2, a)
-    return 0.25 * math.sqrt(dot(b, b))
-
-
 @kernel
 def may_touch(buf, a, b, skin):
-    """Tell whether elements a and b may touch before a node has moved by NODES_MOVE of the skin.
+    """Tell whether elements a and b come within reach plus skin of each other.
 
-    No point of chord a is farther than an eighth of its length from one of five samples, so the
-    smallest sampled distance minus that is a lower bound of the true one.
+    No point of a is farther than an eighth of its length from one of five samples, so the smallest
+    sampled distance minus that is a lower bound of the true one.
     """
     p0, p1 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, a + 1)
     q0, q1 = at(buf, X0, X1, X2, b), at(buf, X0, X1, X2, b + 1)
@@ -104,8 +93,7 @@ def may_touch(buf, a, b, skin):
         gap = along(w, -min(max(dot(w, u) * inverse, 0.0), 1.0), u)
         nearest = min(nearest, dot(gap, gap))
     bound = math.sqrt(nearest) - 0.125 * math.sqrt(dot(dp, dp))
-    reach = buf[RADIUS + a] + buf[RADIUS + b]
-    return bound < reach + sagitta(buf, a) + sagitta(buf, b) + skin
+    return bound < buf[RADIUS + a] + buf[RADIUS + b] + skin
 
 
 @kernel
@@ -136,7 +124,6 @@ def build_list(buf, n, contact, heads, following, pairs):
     Nothing is written beyond the room there is; a larger return value says how much is needed.
     `heads` has a power of two entries.
     """
-    bend_centreline(buf, n)
     edge = longest_reach(buf, n, contact.skin)
     fill_grid(buf, n, contact, edge, heads, following)
     count = 0
@@ -192,10 +179,9 @@ def let_roam(buf, n, time, least, most):
         v = at(buf, V0, V1, V2, i)
         way = max(time * math.sqrt(dot(v, v)), FORGETS * buf[ROAM + i])
         buf[ROAM + i] = min(max(way, least), most)
-    for i in range(2, n - 2):
+    for i in range(1, n - 1):
         own = max(buf[ROAM + i], buf[ROAM + i + 1])
-        beside = max(buf[ROAM + i - 1], buf[ROAM + i + 2])
-        buf[SWAY + i] = max(max(own, beside), max(buf[ROAM + i - 2], buf[ROAM + i + 3]))
+        buf[SWAY + i] = max(own, max(buf[ROAM + i - 1], buf[ROAM + i + 2]))
 
 
 @kernel
@@ -240,17 +226,22 @@ def lengths_now(buf, n):
 def is_in_play(buf, a, b, shortest, longest):
     """Tell whether elements a and b may touch before a node has moved too far.
 
-    Meanwhile no node around a or b moves by more than `play`, places on their centrelines by more
-    than SWINGS times that, unit vectors along elements turn by up to ``turn * play``, the planes at
-    b's ends with them, and a point in contact with b stays within reach + length of either end of
-    b. Normals are no longer than 2.
+    Meanwhile no node around a or b moves by more than `play`, unit vectors along elements turn by
+    up to ``turn * play``, the planes at b's ends with them, and a point in contact with b stays
+    within reach + length of either end of b.
     """
-    w0, dp, bow, u, sag, n0, n1, h0, h1, reach = facing(buf, a, b)
+    p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
+    reach = buf[RADIUS + a] + buf[RADIUS + b]
     play = max(buf[SWAY + a], buf[SWAY + b])
     turn = 2.0 / max(shortest - play, 1e-300)
     shift = play * turn * (reach + longest + 2.0 * play)  # of a plane for each vector in its normal
-    low = h0 + 6.0 * play + shift * (1.0 + buf[PREVIOUS + b])
-    top = h1 + 6.0 * play + shift * (1.0 + buf[NEXT + b + 1])
-    near = reach + SWINGS * (buf[SWAY + a] + buf[SWAY + b])
-    start, end, _ = meeting(w0, dp, bow, u, sag, n0, n1, low, top, near)
+    low = 4.0 * play + shift * (1.0 + buf[PREVIOUS + b])
+    top = 4.0 * play + shift * (1.0 + buf[NEXT + b + 1])
+    start, end = interval(
+        minus(p0, q0), minus(at(buf, X0, X1, X2, a + 1), p0),
+        minus(at(buf, X0, X1, X2, b + 1), q0),
+        at(buf, B0, B1, B2, b), at(buf, B0, B1, B2, b + 1),
+        buf[OVERHANG + b] + low, buf[OVERHANG + b + 1] + top,
+        reach + buf[SWAY + a] + buf[SWAY + b],
+    )  # fmt: skip
     return start < end

@@ -6,10 +6,9 @@ The march calls for a look after every step in which `contact.GIVES_WAY` is pass
 import math
 
 from sim.kernels.compiled import formula, kernel
-from sim.kernels.contact import wedges
-from sim.kernels.curve import bend_centreline
+from sim.kernels.contact import contact_interval, wedges
 from sim.kernels.layout import *  # noqa: F403
-from sim.kernels.overlap import arc, facing, meeting, press
+from sim.kernels.overlap import press
 from sim.kernels.vectors import along, at, dot, minus
 
 
@@ -34,34 +33,22 @@ def nearest_points(w, dp, u):
     return s, t
 
 
-@formula
-def nearest_of_curves(w, dp, bow, u, sag):
-    """Return s, t and the vector between the closest places of two parabolas, the first w off.
-
-    Of their chords first, then three times of the lines that touch them there.
-    """
-    s, t = nearest_points(w, dp, u)
-    for _ in range(3):
-        first, second = along(dp, 1.0 - 2.0 * s, bow), along(u, 1.0 - 2.0 * t, sag)
-        start = along(along(w, s * s, bow), -t * t, sag)  # both lines at 0
-        s, t = nearest_points(start, first, second)
-    return s, t, minus(arc(w, s, dp, bow), arc((0.0, 0.0, 0.0), t, u, sag))
-
-
 @kernel
 def nearness(buf, a, b, contact):
     """Return the squared distance of elements a and b over that of touching, infinite if far.
 
-    Of their centrelines, the bulges filled before. Also where two elements of one rod have too
-    little of it between them to be in contact.
+    Also where two elements of one rod have too little of it between them to be in contact.
     """
-    w0, dp, bow, u, sag, _, _, _, _, reach = facing(buf, a, b)
-    if dot(w0, w0) > 3.0 * (dot(dp, dp) + dot(u, u) + reach * reach):
+    p0, q0 = at(buf, X0, X1, X2, a), at(buf, X0, X1, X2, b)
+    dp, u = minus(at(buf, X0, X1, X2, a + 1), p0), minus(at(buf, X0, X1, X2, b + 1), q0)
+    w, reach = minus(p0, q0), buf[RADIUS + a] + buf[RADIUS + b]
+    if dot(w, w) > 3.0 * (dot(dp, dp) + dot(u, u) + reach * reach):
         return math.inf  # farther apart than both are long
-    s, t, gap = nearest_of_curves(w0, dp, bow, u, sag)
+    s, t = nearest_points(w, dp, u)
     between = contact.arc[b] + t * buf[LENGTH + b] - contact.arc[a] - s * buf[LENGTH + a]
     if contact.rod[a] == contact.rod[b] and between < contact.self_gap:
         return math.inf
+    gap = along(along(w, s, dp), -t, u)
     return dot(gap, gap) / (reach * reach)
 
 
@@ -76,7 +63,6 @@ def note(found, count, a, b):
 @kernel
 def near_pairs(buf, n, contact, limit, found):
     """Fill `found` (m, 2) with listed pairs nearer than `limit` of touching; return how many."""
-    bend_centreline(buf, n)
     count = 0
     for k in range(contact.pairs.shape[1]):
         a, b = contact.pairs[0, k], contact.pairs[1, k]
@@ -157,26 +143,22 @@ def is_within(contact, a, b, n):
 
 
 @kernel
-def load_around(buf, n, contact, a, b, arc_length):
-    """Return the force between the rods of a and b within a length of both [N]."""
-    bend_centreline(buf, n)
+def load_around(buf, n, contact, a, b, arc):
+    """Return the force between the rods of a and b within a length `arc` of both [N]."""
     wedges(buf, n)
     total = (0.0, 0.0, 0.0)
     for k in range(contact.pairs.shape[1]):
         i, j = contact.pairs[0, k], contact.pairs[1, k]
         same = contact.rod[i] == contact.rod[a] and contact.rod[j] == contact.rod[b]
         off = max(abs(contact.arc[i] - contact.arc[a]), abs(contact.arc[j] - contact.arc[b]))
-        if same and off < arc_length + buf[RADIUS + i] + buf[RADIUS + j]:
-            total = along(total, 1.0, force_between(buf, contact, i, j))
+        reach = buf[RADIUS + i] + buf[RADIUS + j]
+        if same and off < arc + reach:
+            low, high = contact_interval(buf, i, j, reach)
+            if low < high:
+                force, _, _, _, _, _ = press(
+                    at(buf, X0, X1, X2, i), at(buf, X0, X1, X2, i + 1),
+                    at(buf, X0, X1, X2, j), at(buf, X0, X1, X2, j + 1),
+                    low, high, reach, contact.stiffness * buf[LENGTH + i],
+                )  # fmt: skip
+                total = along(total, 1.0, force)
     return math.sqrt(dot(total, total))
-
-
-@kernel
-def force_between(buf, contact, a, b):
-    """Return the force of element b on element a [N]."""
-    line = contact.stiffness * buf[LENGTH + a]
-    w0, dp, bow, u, sag, n0, n1, h0, h1, reach = facing(buf, a, b)
-    low, high, there = meeting(w0, dp, bow, u, sag, n0, n1, h0, h1, reach)
-    if low >= high:
-        return 0.0, 0.0, 0.0
-    return press(w0, dp, bow, u, sag, low, high, there, reach, line)[0]

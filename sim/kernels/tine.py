@@ -7,7 +7,7 @@ import numpy as np
 
 from sim.kernels.compiled import formula, kernel
 from sim.kernels.contact import rubbing_force, surface_velocity
-from sim.kernels.curve import curve_of, load_bulge, place_on, slope_on
+from sim.kernels.curve import curve_of, load_bend, place_on, slope_on
 from sim.kernels.ends import smooth
 from sim.kernels.layout import *  # noqa: F403
 from sim.kernels.vectors import along, at, cross, dot, minus, point, push, to_body
@@ -123,10 +123,10 @@ def facing_tine(buf, a, m, tines):
     """Return the curve of element a as seen from the start of tine m, its axis, and the reach."""
     g, now = tines.geometry[m], tines.now[m]
     axis, half = (g[3], g[4], g[5]), g[6]
-    start, chord, bow = curve_of(buf, X0, X1, X2, a)
+    start, chord, first, last = curve_of(buf, X0, X1, X2, a)
     start = minus(start, along((now[3], now[4], now[5]), -half, axis))
     u = (2.0 * half * axis[0], 2.0 * half * axis[1], 2.0 * half * axis[2])
-    return (start, chord, bow), u, buf[RADIUS + a] + now[2]
+    return (start, chord, first, last), u, buf[RADIUS + a] + now[2]
 
 
 @formula
@@ -238,7 +238,7 @@ def press_tine(buf, a, m, curve, u, low, high, reach, spring, tines, viscous):
 
     Returns the force [N], the sum of its magnitudes and that sum weighted by s.
     """
-    force = by_s = bowing = (0.0, 0.0, 0.0)
+    force = by_s = first = last = (0.0, 0.0, 0.0)
     total = sum_s = 0.0
     for node, weight in GAUSS:
         s = low + (high - low) * node
@@ -248,13 +248,14 @@ def press_tine(buf, a, m, curve, u, low, high, reach, spring, tines, viscous):
         if viscous is not None:
             deep = damped(buf, a, m, s, gap, distance, deep, tines, viscous)
         size = spring * weight * deep
-        unit = size / distance
+        unit, off = size / distance, -s * (1.0 - s) * size / distance
         force, by_s = along(force, unit, gap), along(by_s, unit * s, gap)
-        bowing = along(bowing, unit * s * (1.0 - s), gap)
+        first, last = along(first, off * (2.0 - s), gap), along(last, off * (1.0 + s), gap)
         total, sum_s = total + size, sum_s + size * s
     push(buf, F0, F1, F2, a, minus(force, by_s), 1.0)
     push(buf, F0, F1, F2, a + 1, by_s, 1.0)
-    load_bulge(buf, a, bowing)
+    load_bend(buf, a, a, first)
+    load_bend(buf, a, a + 1, last)
     return force, total, sum_s
 
 
@@ -279,7 +280,7 @@ def rub_tine(buf, a, m, curve, u, s, normal, spring, dt, tines, friction):
     of the curve would raise the exponent of the capstan by l^2/8R^2.
     """
     now, motion = tines.now[m], tines.motion[m]
-    start, chord, _ = curve
+    start, chord, _, _ = curve
     gap = off_axis(along(start, s, chord), u)
     to_tine = (-gap[0], -gap[1], -gap[2])
     share = buf[RADIUS + a] / (buf[RADIUS + a] + now[2])

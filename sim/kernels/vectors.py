@@ -43,16 +43,6 @@ def along(a, s, b):
 
 
 @formula
-def weighted(x, a, y, b, z, c):
-    """Return x a + y b + z c."""
-    return (
-        x * a[0] + y * b[0] + z * c[0],
-        x * a[1] + y * b[1] + z * c[1],
-        x * a[2] + y * b[2] + z * c[2],
-    )
-
-
-@formula
 def dot(a, b):
     """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

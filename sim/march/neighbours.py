@@ -17,9 +17,6 @@ def rebuild(march: Marching) -> None:
     old = march.contact
     if old is None:
         return
-    nothing = np.zeros((4, 1), np.int64)
-    old = old._replace(listed=nothing, runs=nothing)  # their memory is needed for the new ones
-    march.effects = march.effects._replace(contact=old)
     pairs = _pairs(march.state, old)
     slip = old.slip if march.friction is None else _slip(march.state, old, pairs)
     runs = np.zeros((4, pairs.shape[1] + 1), np.int64)  # room for as many as may be in play
@@ -43,12 +40,8 @@ def _pairs(state: State, contact: Contact) -> NDArray[np.int64]:
 
 def _slip(state: State, old: Contact, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return the elastic slip of the pairs: what it was where they were listed before."""
+    before, now = (state.n * each[0] + each[1] for each in (old.pairs, pairs))
+    _, then, here = np.intersect1d(before, now, assume_unique=True, return_indices=True)
     slip = np.zeros((3, pairs.shape[1]))
-    if old.pairs.shape[1] > 0:
-        before, now = (state.n * each[0] + each[1] for each in (old.pairs, pairs))
-        order = np.argsort(before)
-        place = np.searchsorted(before, now, sorter=order)
-        then = order[np.minimum(place, len(before) - 1)]
-        here = before[then] == now
-        slip[:, here] = old.slip[:, then[here]]
+    slip[:, here] = old.slip[:, then]
     return slip

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from sim.errors import SceneError
 from sim.kernels import layout
-from sim.march import smoothing
 from sim.scene import End, Helix, Material, Rod, Scene, Straight, shapes
 
 Array = NDArray[np.float64]
@@ -105,7 +104,6 @@ def build(scene: Scene) -> State:
         state.row(name)[:] = 1.0
     for number, rod in enumerate(scene.rods):
         _fill_rod(state, number, rod, scene)
-    smoothing.fill(state)
     return state
 
 

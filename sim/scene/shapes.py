@@ -26,7 +26,7 @@ def helix(
 ) -> Array:
     """Return nodes [m] of a right-handed helix that hangs from z = 0 down to z = -height.
 
-    The smooth curve through them that contact acts on (`sim.kernels.curve`) has `radius` as its
+    The nodes lie a little outside `radius`, where the chords between them have `radius` as their
     mean distance from the axis; with the nodes on the helix two strands in contact would overlap.
 
     Parameters
@@ -41,22 +41,12 @@ def helix(
         Left-handed instead: the mirror image in the plane y = 0.
     """
     turns = np.linspace(0, height / pitch, elements + 1)
-    angle, nodes = 2 * np.pi * turns + phase, radius / _bulging(2 * np.pi * turns[1])
-    across = (1 if left else -1) * nodes * np.sin(angle)
-    return np.column_stack([nodes * np.cos(angle), across, -pitch * turns])
-
-
-def _bulging(step: float) -> float:
-    """Return the mean distance of the smooth curve from the axis of a helix over that of its nodes.
-
-    `step` is the angle between nodes. With c = cos(step/2), c3 = cos(3 step/2) and the sharpening A
-    of a slender rod the bulge is 2 sin^2(step/2) [(1 + A) c - A c3] of the nodes' distance.
-    """
-    s = (np.arange(16) + 0.5) / 16
-    half, sharp = 0.5 * step, 0.45
-    bulge = 2 * np.sin(half) ** 2 * ((1 + sharp) * np.cos(half) - sharp * np.cos(3 * half))
-    along = np.cos(half) + s * (1 - s) * bulge
-    return float(np.hypot(along, (2 * s - 1) * np.sin(half)).mean())
+    step = 2 * np.pi * turns[1]
+    # Mean of sqrt(1 - 4 s (1 - s) sin^2(step/2)) over the chord, to second order in step.
+    outside = radius * (1 + step**2 / 12)
+    angle = 2 * np.pi * turns + phase
+    across = (1 if left else -1) * outside * np.sin(angle)
+    return np.column_stack([outside * np.cos(angle), across, -pitch * turns])
 
 
 def frames(nodes: Array) -> Array:

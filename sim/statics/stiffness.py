@@ -24,7 +24,7 @@ Entries = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]  # rows, columns, valu
 PROBE = 1e-5  # rad, of central differences; of a radius for contact
 _PROBES = PROBE * np.concatenate([-np.eye(3), np.eye(3)])  # rotation vectors about each axis
 CLOSE = 1.05  # of the contact distance: whatever is nearer may touch within a probe
-BESIDE = np.arange(-2, 4)  # nodes that the contact of an element hangs on, seen from it
+BESIDE = np.arange(-1, 3)  # nodes that the contact of an element hangs on, seen from it
 NODE, TURN = 0, 3  # where a node's and an element's unknowns begin among the six of an index
 
 

@@ -81,29 +81,6 @@ def _to_segment(x, a, b):
     return np.linalg.norm(x - a - t[..., None] * u, axis=-1)
 
 
-def bulges(state):
-    """Return how far the smooth centreline is off every chord, over s (1 - s), (n, 3) [m]."""
-    x, length = state.rows("X0 X1 X2").T, state.row("LENGTH")[:, None]
-    along = np.roll(x, -1, axis=0) - x
-    tangent = np.divide(along, length, out=np.zeros_like(along), where=length > 0)
-    turn = state.row("KINK")[:, None] * (tangent - np.roll(tangent, 1, axis=0))
-    before, after = (np.roll(state.row("SHARP"), k)[:, None] for k in (1, -1))
-    left, right = turn, np.roll(turn, -1, axis=0)
-    outer = before * (left - np.roll(turn, 1, axis=0)) + after * (right - np.roll(turn, -2, axis=0))
-    ends = (1 - state.row("PREVIOUS"))[:, None] * right + (1 - np.roll(state.row("NEXT"), -1))[
-        :, None
-    ] * left
-    return -0.25 * length * (left + right + outer + ends)
-
-
-def pieces(march, parts=8):
-    """Return the ends of short pieces of all elements' centrelines, (parts, n, 3) each [m]."""
-    x = march.state.rows("X0 X1 X2").T
-    s = (np.arange(parts + 1) / parts)[:, None, None]
-    curve = x + s * (np.roll(x, -1, axis=0) - x) + s * (1 - s) * bulges(march.state)
-    return curve[:-1], curve[1:]
-
-
 def closest(march):
     """Return the smallest distance of two strands, or of two parts of one, over that of contact.
 
@@ -120,9 +97,8 @@ def closest(march):
     gap = 2 * math.pi * radius.max() if march.scene.contact.self_contact else np.inf
     apart = (rods[a] != rods[b]) | (abs(arc[b] - arc[a]) - np.minimum(length[a], length[b]) > gap)
     a, b = a[apart], b[apart]
-    start, end = pieces(march)
-    gaps = between(start[:, None, a], end[:, None, a], start[None, :, b], end[None, :, b])
-    return (gaps / (radius[a] + radius[b])).min(initial=np.inf)
+    gaps = between(x[a], x[a + 1], x[b], x[b + 1]) / (radius[a] + radius[b])
+    return gaps.min(initial=np.inf)
 
 
 def energies(march):
@@ -145,22 +121,14 @@ def contact_potential(march, samples=64):
     if contact is None or contact.pairs.size == 0:
         return 0.0
     a, b = contact.pairs
-    x, radius, bulge = state.rows("X0 X1 X2").T, state.row("RADIUS"), bulges(state)
+    x, radius = state.rows("X0 X1 X2").T, state.row("RADIUS")
     s = (np.arange(samples) + 0.5)[:, None, None] / samples
-    points = x[a] + s * (x[a + 1] - x[a]) + s * (1 - s) * bulge[a]
-    gap = _to_parabola(points - x[b], x[b + 1] - x[b], bulge[b])
+    points = x[a] + s * (x[a + 1] - x[a])
+    u = x[b + 1] - x[b]
+    t = np.clip(_dot(points - x[b], u) / _dot(u, u), 0, 1)
+    gap = np.linalg.norm(points - x[b] - t[..., None] * u, axis=-1)
     deep = np.maximum(radius[a] + radius[b] - gap, 0) * _owned(state, points, b)
     return float(0.5 * contact.stiffness * (deep**2).mean(axis=0) @ state.row("LENGTH")[a])
-
-
-def _to_parabola(w, u, bulge):
-    """Return the distance of w from t u + t (1 - t) bulge, t in [0, 1], by Newton's method."""
-    t = np.clip(_dot(w, u) / _dot(u, u), 0, 1)[..., None]
-    for _ in range(6):
-        gap, slope = w - t * u - t * (1 - t) * bulge, u + (1 - 2 * t) * bulge
-        firm = np.maximum(_dot(slope, slope) + 2 * _dot(gap, bulge), 0.25 * _dot(u, u))
-        t = np.clip(t + (_dot(gap, slope) / firm)[..., None], 0, 1)
-    return np.linalg.norm(w - t * u - t * (1 - t) * bulge, axis=-1)
 
 
 def _owned(state, points, b):

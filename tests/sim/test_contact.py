@@ -8,7 +8,7 @@ import pytest
 from sim.energy import elastic_energy, kinetic_energy
 from sim.explicit import Explicit
 from sim.kernels import contact as kernels
-from sim.kernels import curve, overlap, runs
+from sim.kernels import overlap, runs
 from sim.march import effects
 from sim.march.neighbours import rebuild
 from sim.march.state import build
@@ -211,29 +211,20 @@ def test_no_contact_is_missed_while_strands_move(rng):
 def forces_pair_by_pair(march):
     """Add up all listed pairs, one after another, as batches of pairs in play must."""
     state, contact = march.state, march.contact
-    for name in ["F0", "F1", "F2"]:
-        state.row(name)[:] = 0
-    curve.bend_centreline(state.buf, state.n)
     kernels.wedges(state.buf, state.n)
-    rows = np.zeros((2, 3, state.n))  # on nodes, on bulges
+    x, force = state.rows("X0 X1 X2").T, np.zeros((state.n, 3))
     for a, b in contact.pairs.T:
-        w0, dp, bow, u, sag, n0, n1, h0, h1, reach = overlap.facing(state.buf, a, b)
-        low, high, there = overlap.meeting(w0, dp, bow, u, sag, n0, n1, h0, h1, reach)
+        reach = state.row("RADIUS")[a] + state.row("RADIUS")[b]
+        low, high = kernels.contact_interval(state.buf, a, b, reach)
         if low < high:
+            ends = [tuple(x[i]) for i in (a, a + 1, b, b + 1)]
             line = contact.stiffness * state.row("LENGTH")[a]
-            push, by_s, by_t, bow_s, bow_t, *_ = overlap.press(
-                w0, dp, bow, u, sag, low, high, there, reach, line
-            )
-            rows[0, :, a] += np.subtract(push, by_s)
-            rows[0, :, a + 1] += by_s
-            rows[0, :, b] -= np.subtract(push, by_t)
-            rows[0, :, b + 1] -= by_t
-            rows[1, :, a] += bow_s
-            rows[1, :, b] -= bow_t
-    for axis in range(3):
-        state.row(f"F{axis}")[:], state.row(f"P{axis}")[:] = rows[:, axis]
-    curve.load_nodes(state.buf, state.n)
-    return state.rows("F0 F1 F2")
+            push, by_s, by_t, *_ = overlap.press(*ends, low, high, reach, line)
+            force[a] += np.subtract(push, by_s)
+            force[a + 1] += by_s
+            force[b] -= np.subtract(push, by_t)
+            force[b + 1] -= by_t
+    return force.T
 
 
 def pairs_in_play(contact):

@@ -12,8 +12,6 @@ from sim.march.state import build
 from sim.scene import Scene
 from sim.scene.shapes import random_curvature
 
-from .hard import pieces
-
 ROD = (
     "duration = 1\n"
     "rods = [{radius = 1e-3, elements = 20, shape = {kind = 'straight', length = 0.1}, "
@@ -89,12 +87,14 @@ def test_time_step_fits_the_sampling_window():
 
 def test_double_helix_touches_without_pressing_and_has_one_turn_per_pitch():
     scene = sim.double_helix(pi1=18, turns=6)
-    march = explicit(scene)
-    a, b = march.state.strands()
-    starts, _ = pieces(march)  # of the smooth curves that touch
-    first, second = (starts[:, march.state.nodes(k)][:, 1:-2] for k in range(2))
-    gap = np.linalg.norm(first - second, axis=-1).mean()
-    assert gap == pytest.approx(2 * scene.rods[0].radius, rel=2e-3)
+    a, b = build(scene).strands()
+    r = scene.rods[0].radius
+    middle = 0.5 * (a[1:] + a[:-1]), 0.5 * (b[1:] + b[:-1])
+    gap = (
+        np.linalg.norm(a - b, axis=1).mean()
+        + 2 * np.linalg.norm(middle[0] - middle[1], axis=1).mean()
+    )
+    assert gap / 3 == pytest.approx(2 * r, rel=2e-3)  # Simpson: mean distance along the chords
     table = sim.link_density(a, b)
     assert table.attrs["total_link"] == pytest.approx(6, abs=1e-3)
 
@@ -110,10 +110,10 @@ def settling(elements_per_pitch):
 
 
 def test_the_resting_double_helix_rests_the_better_the_finer_its_mesh():
-    """Curves of strands in contact overlap here and gape there, by what falls as the mesh^4."""
-    coarse, fine = settling(8), settling(16)
-    assert coarse < 0.03
-    assert fine < coarse / 10
+    """Straight chords of strands in contact overlap here and gape there, as the mesh squared."""
+    coarse, fine = settling(12), settling(24)
+    assert coarse < 0.15
+    assert fine < 0.4 * coarse
 
 
 def test_random_curvature_has_the_asked_spread_and_correlation_on_any_mesh(rng):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.explicit import Explicit
-from sim.kernels.ledger import contact_energy, tine_energy
+from sim.kernels.ledger import tine_energy
 from sim.kernels.touch import touching_loads
 from sim.scene import Contact, Damping, End, Friction, Material, Points, Rod, Scene, Straight, Tine
 
@@ -42,48 +42,21 @@ def energy(march):
     return tine_energy(march.state.buf, march.state.n, march.effects.tines)
 
 
-def slope(march, energy, h=1e-7):
-    """Return the derivative of an energy after every coordinate of every node, (3, n) [N]."""
-    found = np.zeros((3, march.state.n))
+def test_the_force_of_a_tine_is_the_slope_of_its_energy(rng):
+    march = over_a_tine(rng)
+    force, h = touching(march), 1e-7
+    assert np.count_nonzero(np.abs(force).max(axis=0)) >= 4
+    slope = np.zeros_like(force)
     for k, name in enumerate(NAMES):
         row = march.state.row(name)
-        for i in range(march.state.n):
+        for i in range(1, march.state.n - 1):
             kept = row[i]
             row[i] = kept + h
             above = energy(march)
             row[i] = kept - h
-            found[k, i] = (above - energy(march)) / (2 * h)
+            slope[k, i] = (above - energy(march)) / (2 * h)
             row[i] = kept
-    return found
-
-
-def test_the_force_of_a_tine_is_the_slope_of_its_energy(rng):
-    march = over_a_tine(rng)
-    force = touching(march)
-    assert np.count_nonzero(np.abs(force).max(axis=0)) >= 4
-    np.testing.assert_allclose(force, -slope(march, energy), atol=1e-4 * np.abs(force).max())
-
-
-def stored(march):
-    return contact_energy(march.state.buf, march.state.n, march.contact)
-
-
-def bent_pair(rng):
-    """Return two bent rods across each other at odd places."""
-    rods = [bent(rng, (0.0, 0.0, 0.0), (1, 0.2, 0)), bent(rng, (0.003, 0.0, 0.0085), (0.5, 1, 0))]
-    return Explicit(Scene(rods=rods, duration=1, contact=Contact(overlap="push apart")))
-
-
-def test_the_force_between_rods_is_the_slope_of_its_energy(rng):
-    """And makes neither momentum nor angular momentum."""
-    for _ in range(5):
-        march = bent_pair(rng)
-        force, x = touching(march), march.state.rows("X0 X1 X2")
-        size = np.abs(force).max()
-        assert np.count_nonzero(np.abs(force).max(axis=0)) >= 8
-        np.testing.assert_allclose(force, -slope(march, stored), atol=5e-3 * size)
-        np.testing.assert_allclose(force.sum(axis=1), 0, atol=1e-13 * size)
-        np.testing.assert_allclose(np.cross(x.T, force.T).sum(axis=0), 0, atol=1e-13 * size)
+    np.testing.assert_allclose(force, -slope, atol=1e-4 * np.abs(force).max())
 
 
 @pytest.mark.parametrize("friction", [None, Friction(forward=0.3, backward=0.1)])

@@ -12,7 +12,6 @@ from sim.diagnosis import by_effect, internal
 from sim.explicit import Explicit
 from sim.guards.passing import ROOM, deep_pairs
 from sim.kernels.march import Gravity
-from sim.march.effects import SOFTNESS
 from sim.scene import (
     Contact,
     Damping,
@@ -111,19 +110,14 @@ def test_an_absurd_overlap_is_laid_to_the_contact():
 
 
 def pressed_on_a_held_strand(force, degrees, gap=2 * R):
-    """Return a march of a strand across a held one, under an even load of `force` [N], damped.
-
-    It hardly bends: what a crossing bears is that of straight strands.
-    """
-    stiff = STUFF.model_copy(update={"E": 10 * STUFF.E})
+    """Return a march of a strand across a held one, under an even load of `force` [N], damped."""
     across = [math.cos(math.radians(degrees)), math.sin(math.radians(degrees)), 0]
     rods = [
-        strand(line([0, 0, 0], [1, 0, 0], 12 * R, 12), R, stiff),
-        strand(line([0, 0, gap], across, 12 * R, 8), R, stiff),
+        strand(line([0, 0, 0], [1, 0, 0], 12 * R, 12), R, STUFF),
+        strand(line([0, 0, gap], across, 12 * R, 8), R, STUFF),
     ]
     mass = STUFF.density * math.pi * R**2 * 12 * R
-    contact = Contact(overlap="push apart", stiffness=SOFTNESS * STUFF.E)
-    march = march_of(*rods, gravity=(0, 0, -force / mass), drag=5e4, viscous=1e-6, contact=contact)
+    march = march_of(*rods, gravity=(0, 0, -force / mass), drag=5e4, viscous=1e-6, contact=PUSHED)
     for name in ("INV_MASS", "INV_J1", "INV_J3"):
         march.state.row(name)[march.state.nodes(0)] = 0
     return march
