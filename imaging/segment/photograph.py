@@ -21,9 +21,7 @@ MEDIAN = 0.6745  # sds of a Gaussian; half of it lies within
 SOME, ROWS = 7, 300  # of so many rows the noise is looked at in one, but in so many at least
 LARGER = 4  # px; side of the pixels in which texture is told from noise
 CHANGING = 0.06  # banded cables have 0.1 to 0.6, tangles of strands of one colour each up to 0.03
-UNLIKE = (
-    25.0  # Lab units; nearer colours (navy, blue) take turns along a thin strand by noise alone
-)
+UNLIKE = 25.0  # Lab units; noise makes nearer colours (navy, blue) take turns along a strand
 PAIR = 3  # colours; two or three may be of strands twisted together, which change places as often
 SINGLE = 0.7  # of the breadth of what is covered, that strands of one colour have at least
 THICK = 1.25  # times the usual depth; strands cross or touch

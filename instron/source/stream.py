@@ -42,5 +42,5 @@ class Unquoted:
         return raw.translate(None, b'"\0')
 
     def __iter__(self) -> Iterator[bytes]:
-        """Iterate over lines, by which pandas knows a file."""
-        return iter(self._file)
+        """Iterate over lines; pandas asks for no more than that it could."""
+        return iter(self.read().splitlines(keepends=True))

@@ -59,7 +59,7 @@ def test_the_interval_of_D_holds_what_noise_makes_of_the_foot(noise, tops):
 
 @pytest.mark.parametrize("power", [1.0, 1.3, 1.7, 2.0, 2.35, 2.7, 3.0])
 def test_the_interval_of_the_foot_holds_whatever_the_power(power):
-    """Of 36 logs 34 at 95 %; fewer than 30 happen once in 100 times."""
+    """Of 36 logs 34 at 95 %; fewer than 30 happen twice in 1000 times."""
     cases = itertools.product((700, 2300, 8000), (0.0005, 0.002, 0.008), range(4))
     held = 0
     for k, (rows, sd, _) in enumerate(cases):
